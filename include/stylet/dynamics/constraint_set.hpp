@@ -1,0 +1,36 @@
+// What holds and pushes the tissue during one step. Plain data: the needle makes it too.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace stylet {
+
+/// A dof whose displacement (m) or velocity (m/s) at the end of the step is given.
+struct PrescribedDof {
+  int dof;
+  double value;
+  bool velocity = false;
+};
+
+struct DofValue {
+  int dof;
+  double value;
+};
+
+/// The one condition of a tip: sum of weight times displacement = value at the end of the step (m),
+/// moving at `rate` (m/s). The weights sum to +-1; its multiplier lambda (N) loads the dofs with
+/// lambda times the weights.
+struct MeanCondition {
+  std::vector<DofValue> weights;
+  double value = 0;
+  double rate = 0;
+};
+
+struct ConstraintSet {
+  std::vector<PrescribedDof> dofs;  ///< each dof at most once
+  std::optional<MeanCondition> mean;
+  std::vector<DofValue> forces;  ///< N, on dofs
+};
+
+}  // namespace stylet

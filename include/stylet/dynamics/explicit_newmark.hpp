@@ -1,0 +1,66 @@
+// Explicit time stepping with lumped mass: the paper's interactive mode (sec. IV.B, VI).
+//
+//   u1 = u0 + h v0 + h^2/2 a0
+//   (M + h/2 C_m) a1 = f1 - K u1 - C (v0 + h/2 a0),   v1 = v0 + h/2 (a0 + a1)
+//
+// C_m = mass_factor M is diagonal and implicit; stiffness damping acts at the half-step velocity and
+// lowers the stable step from 2/omega to 2 (sqrt(1 + xi^2) - xi)/omega, xi = stiffness_factor
+// omega / 2. A prescribed dof has a1 = 0 and the given velocity, so that its reaction
+// C v + K u - f does not ring. The mean condition has w . a1 = 0 and a velocity that reaches its value at
+// the end of the next step.
+#pragma once
+
+#include "stylet/dynamics/parameters.hpp"
+#include "stylet/dynamics/time_integrator.hpp"
+
+#include <vector>
+
+namespace stylet {
+
+class ExplicitNewmark final : public TimeIntegrator {
+ public:
+  /// Collective. Needs a lumped tissue operator.
+  ExplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
+
+  void begin(State& state, Vec load, double h) override;
+  Trial attempt(const ConstraintSet& constraints, bool edited) override;
+  void accept() override;
+  /// From the element bound, times the safety factor.
+  [[nodiscard]] double stable_step() const override;
+  void touched(const Mesh& mesh, std::span<const int> cells) override;
+  [[nodiscard]] bool decides_by_velocity() const override { return true; }
+
+ private:
+  struct FreeValue {
+    PetscInt index;
+    double v;
+    double a;
+  };
+  void accelerate(Vec u, Vec v_half, Vec a);
+  void restore();
+  double apply(const ConstraintSet& constraints);
+
+  TissueOperator& tissue_;
+  double safety_;
+  RayleighDamping damping_;
+  std::vector<double> bound_;  ///< of each cell, (rad/s)^2
+  double largest_bound_ = 0;
+  OwnedTs ts_;
+  State* state_ = nullptr;
+  Vec load_ = nullptr;
+  double h_ = 0;
+  bool fresh_ = false;
+  const ConstraintSet* constraints_ = nullptr;
+  std::vector<FreeValue> overridden_;
+  OwnedVec u_;
+  OwnedVec v_;
+  OwnedVec a_;
+  OwnedVec force_;
+  OwnedVec work_;
+  OwnedVec reaction_;
+};
+
+/// Stable step of one mode (s): omega^2 in (rad/s)^2, stiffness damping in s.
+[[nodiscard]] double stable_step(double omega_squared, double stiffness_factor);
+
+}  // namespace stylet

@@ -1,0 +1,76 @@
+// Implicit time stepping: the Newmark family of the paper (sec. IV.B), with the load balance at the
+// end of the step, where contact laws are read.
+//
+//   (1 - alpha_m) M a1 + alpha_m M a0 + C v1 + K u1 = f1
+//   u1 = u0 + h v0 + h^2 (c0 a0 + c1 a1),  v1 = v0 + h (g0 a0 + g1 a1)
+//
+//   average acceleration   alpha_m = 0, c0 = c1 = 1/4, g0 = g1 = 1/2
+//   generalised-alpha      alpha_f = 0 (Wood, Bossak, Zienkiewicz 1980), the member of the family of
+//                          Chung and Hulbert (1993) that balances at the end of the step:
+//                          alpha_m = (rho - 1)/(rho + 1), g1 = 1/2 - alpha_m, c1 = (1 - alpha_m)^2/4;
+//                          rho = 1 is average acceleration
+//   backward Euler         alpha_m = 0, c0 = g0 = 0, c1 = g1 = 1
+//   quasi-static           K u1 = f1, v1 = (u1 - u0)/h, no M and no C
+//
+// Misprint in the paper: its displacement update takes the new velocity, u1 = u0 + h v1 + ...; read
+// literally that is first order and unstable above omega h = 2/sqrt(3). It must be v0, as here.
+#pragma once
+
+#include "stylet/dynamics/constrained_solver.hpp"
+#include "stylet/dynamics/parameters.hpp"
+#include "stylet/dynamics/time_integrator.hpp"
+
+namespace stylet {
+
+struct StepCoefficients {
+  double alpha_m = 0;
+  double c0 = 0;
+  double c1 = 1;
+  double g0 = 0;
+  double g1 = 1;
+};
+
+[[nodiscard]] StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity);
+
+class ImplicitNewmark final : public TimeIntegrator {
+ public:
+  /// The tissue is lent. Quasi-static if the method says so.
+  ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters);
+
+  void begin(State& state, Vec load, double h) override;
+  Trial attempt(const ConstraintSet& constraints, bool edited) override;
+  void accept() override;
+  [[nodiscard]] double stable_step() const override;
+  void touched(const Mesh&, std::span<const int>) override {}
+  [[nodiscard]] bool decides_by_velocity() const override { return false; }
+  [[nodiscard]] int n_set_ups() const { return solver_.n_set_ups(); }
+
+ private:
+  void predict();
+
+  TissueOperator& tissue_;
+  bool inertia_;
+  StepCoefficients k_;
+  ConstrainedSolver solver_;
+  State* state_ = nullptr;
+  Vec load_ = nullptr;
+  double h_ = 0;
+  double operator_h_ = 0;
+  OwnedVec u_;         ///< predictor, then displacement of the trial
+  OwnedVec v_;
+  OwnedVec u_guess_;   ///< predictor of the step
+  OwnedVec v_guess_;
+  OwnedVec increment_; ///< u1 - predictor = c1 h^2 a1, the unknown
+  OwnedVec rhs_;
+  OwnedVec rhs_base_;
+  OwnedVec reaction_;
+  OwnedVec work_;
+};
+
+/// Collective. Acceleration at the start from M a = f - C v - K u, zero at the prescribed dofs.
+void initial_acceleration(const TissueOperator& tissue,
+                          State& state,
+                          Vec load,
+                          const ConstraintSet& constraints);
+
+}  // namespace stylet

@@ -1,0 +1,32 @@
+// Isotropic linear elasticity in the plane and in space.
+#pragma once
+
+#include "stylet/fem/element.hpp"
+#include "stylet/fem/parameters.hpp"
+
+namespace stylet {
+
+/// Moduli of the 2D element. Throws InputError for nu outside [0, 0.5) or E <= 0.
+[[nodiscard]] Moduli plane_moduli(const LinearElastic& material, Plane plane);
+
+/// Lame's moduli (3D, plane strain).
+[[nodiscard]] Moduli lame_moduli(const LinearElastic& material);
+
+/// Stress of a plane element (Pa).
+struct PlaneStress {
+  double xx = 0;
+  double yy = 0;
+  double xy = 0;
+  double zz = 0;  ///< non-zero in plane strain
+
+  [[nodiscard]] double von_mises() const;
+};
+
+/// h: displacement gradient; m as plane_moduli gives them. In plane strain
+/// sigma_zz = lambda tr(eps).
+[[nodiscard]] PlaneStress plane_stress(const LinearSimplex<2>::Block& h, const Moduli& m, Plane plane);
+
+/// Strain energy per volume (J/m^3).
+[[nodiscard]] double strain_energy_density(const LinearSimplex<2>::Block& h, const Moduli& m);
+
+}  // namespace stylet

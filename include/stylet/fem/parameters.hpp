@@ -1,0 +1,40 @@
+// What the tissue is made of.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+enum class Plane { stress, strain };
+enum class Formulation { p1 };
+enum class MassKind { consistent, lumped };
+
+struct LinearElastic {
+  double youngs_modulus = 0;  ///< Pa
+  double poisson_ratio = 0;
+  double density = 0;  ///< kg/m^3
+};
+
+/// C = mass_factor M + stiffness_factor K.
+struct RayleighDamping {
+  double mass_factor = 0;       ///< 1/s
+  double stiffness_factor = 0;  ///< s
+};
+
+struct RegionTissue {
+  std::string region;
+  LinearElastic material;
+};
+
+struct TissueParameters {
+  Plane plane = Plane::stress;
+  double thickness = 0.01;  ///< out of plane (m)
+  Formulation formulation = Formulation::p1;
+  MassKind mass = MassKind::consistent;
+  std::vector<RegionTissue> regions;
+  std::optional<RayleighDamping> damping;
+};
+
+}  // namespace stylet

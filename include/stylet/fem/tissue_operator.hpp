@@ -1,0 +1,108 @@
+// M, C and K of the tissue, kept up to date with the reference mesh.
+//
+// The rank that owns a node computes its rows from all cells around it, in global cell order, so K
+// has the same bits on any number of ranks, and a row that was rebuilt after an edit has the same
+// bits as in a fresh operator. C = mass_factor M + stiffness_factor K is never stored. Constraints
+// never touch these matrices.
+//
+// The sparsity pattern holds, besides the mesh's own couplings, those that edge flips near the
+// needle's path may need; where they do not suffice the pattern is made anew (counted).
+#pragma once
+
+#include "stylet/fem/element.hpp"
+#include "stylet/fem/parameters.hpp"
+#include "stylet/mesh/mesh.hpp"
+#include "stylet/mesh/region_map.hpp"
+#include "stylet/petsc/owned.hpp"
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace stylet {
+
+/// Rows of  mass M + stiffness K.
+struct Combination {
+  double mass = 0;
+  double stiffness = 0;
+};
+
+class TissueOperator {
+ public:
+  /// Collective. first_node: rank r owns nodes first_node[r] .. first_node[r+1]-1, dof = 2 node +
+  /// component. needs_flips(node): true where edges may be flipped later. Throws InputError if a
+  /// region of the mesh has no material or a material no region.
+  TissueOperator(MPI_Comm comm,
+                 const Mesh& mesh,
+                 std::vector<int> first_node,
+                 const TissueParameters& parameters,
+                 std::function<bool(int)> needs_flips = {});
+
+  /// Collective. Rebuilds the rows of all nodes of the touched cells, in K, M and every tangent made
+  /// by make_tangent. Returns true if the pattern had to be made anew.
+  bool update(const Mesh& mesh, std::span<const int> touched_cells);
+
+  [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  [[nodiscard]] Mat stiffness() const { return stiffness_.get(); }
+  /// Consistent mass, or null if lumped.
+  [[nodiscard]] Mat mass() const { return mass_.get(); }
+  /// Row-sum mass, one value a dof (kg); null if consistent.
+  [[nodiscard]] Vec lumped_mass() const { return lumped_.get(); }
+  /// y = M x. Collective.
+  void apply_mass(Vec x, Vec y) const;
+  [[nodiscard]] const std::optional<RayleighDamping>& damping() const { return parameters_.damping; }
+  /// shift_a M + shift_v C + K as a combination of M and K (PETSc's I2 tangent).
+  [[nodiscard]] Combination tangent(double shift_v, double shift_a) const;
+
+  /// Collective. Makes the matrix of a combination; from now on `update` keeps it up to date too.
+  void make_tangent(Combination combination);
+  /// The matrix that make_tangent made; a new object where the pattern was made anew.
+  [[nodiscard]] Mat tangent_matrix() const { return tangent_.get(); }
+
+  /// A vector of dofs with this layout. Collective.
+  [[nodiscard]] OwnedVec make_vector() const;
+  [[nodiscard]] int first_dof() const { return 2 * begin_; }
+  [[nodiscard]] int end_dof() const { return 2 * end_; }
+  [[nodiscard]] int n_dofs() const { return 2 * first_node_.back(); }
+  [[nodiscard]] const std::vector<int>& first_node() const { return first_node_; }
+  [[nodiscard]] bool owns(int node) const { return node >= begin_ && node < end_; }
+
+  [[nodiscard]] const TissueParameters& parameters() const { return parameters_; }
+  /// Moduli (Pa) and density (kg/m^3) of a cell; a mixture where an edited cell covers regions.
+  [[nodiscard]] Moduli moduli(int cell) const;
+  [[nodiscard]] double density(int cell) const;
+  /// Largest eigenvalue of the lumped element pair (K_e, M_e), at most 7 % too high, (rad/s)^2. The
+  /// maximum over the cells bounds the largest eigenvalue of M^-1 K.
+  [[nodiscard]] double element_bound(const Mesh& mesh, int cell) const;
+
+ private:
+  struct CellMaterial {
+    Moduli moduli;
+    double density;
+  };
+  void make_pattern(const Mesh& mesh);
+  void fill(const Mesh& mesh, std::span<const int> owned_nodes);
+  [[nodiscard]] CellMaterial material(int cell) const;
+  void remix(const Mesh& mesh, std::span<const int> cells);
+
+  MPI_Comm comm_;
+  std::vector<int> first_node_;
+  int begin_ = 0;
+  int end_ = 0;
+  TissueParameters parameters_;
+  std::function<bool(int)> needs_flips_;
+  std::vector<CellMaterial> by_region_;
+  std::optional<RegionMap> region_map_;
+  std::vector<int> cell_region_;
+  std::map<int, CellMaterial> mixed_;
+  std::vector<std::vector<int>> couplings_;  ///< of owned nodes: column nodes, ascending
+  OwnedMat stiffness_;
+  OwnedMat mass_;
+  OwnedVec lumped_;
+  OwnedMat tangent_;
+  Combination tangent_combination_;
+};
+
+}  // namespace stylet

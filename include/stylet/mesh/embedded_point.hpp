@@ -1,0 +1,29 @@
+// Points fixed in the reference frame, carried by the element that holds them: membrane vertices,
+// seeds, probes. When the needle moves nodes they are found again by walking (constant time).
+#pragma once
+
+#include "stylet/geometry/points.hpp"
+#include "stylet/mesh/mesh.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace stylet {
+
+/// x = sum of weights times the corners of the cell.
+struct EmbeddedPoint {
+  ReferencePoint x;
+  int cell = -1;
+  std::array<double, 3> weights{};
+};
+
+/// Walks from cell `hint` to the cell that holds x. None if x lies outside the tissue by more than
+/// round-off.
+[[nodiscard]] std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePoint x, int hint = 0);
+
+/// Finds the points again whose cells were touched by an edit.
+void relocate(const Mesh& mesh, std::span<const int> touched_cells, std::vector<EmbeddedPoint>& points);
+
+}  // namespace stylet

@@ -1,0 +1,96 @@
+// The reference configuration: nodes, simplices, who touches whom, and the edits of the needle.
+//
+// Every rank holds the whole mesh (tens to hundreds of ranks, about 10 million cells); nodes are
+// numbered so that a rank owns consecutive ones. The number of nodes and of cells never changes:
+// the needle moves nodes and flips edges. No PETSc here.
+#pragma once
+
+#include "stylet/geometry/points.hpp"
+#include "stylet/mesh/mesh_data.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+class Mesh {
+ public:
+  /// Takes checked data (validate). Throws InputError where a cell is inverted.
+  explicit Mesh(MeshData data);
+
+  [[nodiscard]] int dim() const { return data_.dim; }
+  [[nodiscard]] int n_nodes() const { return data_.n_nodes(); }
+  [[nodiscard]] int n_cells() const { return data_.n_cells(); }
+  [[nodiscard]] const MeshData& data() const { return data_; }
+
+  /// Nodes of a cell (dim + 1), counter-clockwise in 2D.
+  [[nodiscard]] std::span<const int> cell(int c) const {
+    const auto width = static_cast<std::size_t>(data_.dim) + 1;
+    return {data_.cells.data() + static_cast<std::size_t>(c) * width, width};
+  }
+  /// Coordinates of a node (dim numbers, m).
+  [[nodiscard]] std::span<const double> coordinates(int node) const {
+    const auto width = static_cast<std::size_t>(data_.dim);
+    return {data_.coordinates.data() + static_cast<std::size_t>(node) * width, width};
+  }
+  [[nodiscard]] ReferencePoint point(int node) const {
+    const auto x = coordinates(node);
+    return {x[0], x[1]};
+  }
+  [[nodiscard]] int region(int c) const { return data_.cell_region[static_cast<std::size_t>(c)]; }
+  /// Cells around a node, ascending.
+  [[nodiscard]] std::span<const int> cells_around(int node) const {
+    return around_[static_cast<std::size_t>(node)];
+  }
+  /// Nodes that share a cell with a node, and itself; ascending.
+  [[nodiscard]] std::vector<int> neighbours(int node) const;
+  /// The cell beyond the edge a-b, seen from cell c; none at the boundary. 2D.
+  [[nodiscard]] std::optional<int> across(int c, int a, int b) const;
+  /// One or two cells that hold both nodes.
+  [[nodiscard]] std::vector<int> cells_with(int a, int b) const;
+  /// The node of a triangle that is neither a nor b.
+  [[nodiscard]] int opposite(int c, int a, int b) const;
+
+  [[nodiscard]] bool on_boundary(int node) const {
+    return on_boundary_[static_cast<std::size_t>(node)];
+  }
+  /// Nodes of the outer boundary and of locked curves must stay where they are.
+  [[nodiscard]] bool is_locked(int node) const { return locked_[static_cast<std::size_t>(node)]; }
+  /// Locks the nodes and edges of a named curve that carries a condition or a load.
+  void lock_curve(const std::string& curve);
+  /// True for edges of the outer boundary, of locked curves and between regions.
+  [[nodiscard]] bool is_locked_edge(int a, int b) const;
+  /// Facets of a named curve as indices into data().facets (units of dim nodes); throws InputError
+  /// that lists the curves if the name is unknown.
+  [[nodiscard]] std::vector<int> facets_of(const std::string& curve) const;
+  [[nodiscard]] int region_index(const std::string& name) const;
+  /// Distinct nodes of a named curve, ascending.
+  [[nodiscard]] std::vector<int> nodes_of(const std::string& curve) const;
+
+  /// Length, area or volume of a cell; negative if inverted.
+  [[nodiscard]] double cell_measure(int c) const;
+  /// Quality of a triangle, see geometry/triangle.hpp. 2D.
+  [[nodiscard]] double cell_quality(int c) const;
+  [[nodiscard]] double worst_quality(std::span<const int> cells) const;
+
+  // Edits. Each raises version(); connectivity_version() rises with flips only.
+  void move_node(int node, ReferencePoint to);
+  /// Replaces the edge a-b of two triangles by the edge between their opposite nodes. Returns those
+  /// nodes. The caller checks that the result is valid.
+  std::array<int, 2> flip_edge(int a, int b);
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+
+ private:
+  MeshData data_;
+  std::vector<std::vector<int>> around_;
+  std::vector<char> on_boundary_;
+  std::vector<char> locked_;
+  std::vector<std::uint64_t> locked_edges_;  ///< sorted keys
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace stylet

@@ -1,0 +1,53 @@
+// The needle's list of actions as steps of time.
+#pragma once
+
+#include "stylet/needle/parameters.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace stylet {
+
+/// One step of the needle: its tip goes from `from` to `to` (coordinates along the axis, m).
+struct NeedleStep {
+  double h = 0;  ///< s
+  double from = 0;
+  double to = 0;
+  /// m/s, positive while inserting
+  [[nodiscard]] double speed() const { return h > 0 ? (to - from) / h : 0; }
+};
+
+class Motion {
+ public:
+  explicit Motion(std::vector<Action> actions) : actions_(std::move(actions)) {}
+
+  /// The tip stands at the skin; along_sign turns positions of the scene into along coordinates.
+  void enter(double skin_along, double along_sign);
+  [[nodiscard]] bool finished() const { return at_ == actions_.size(); }
+  [[nodiscard]] const Action& action() const { return actions_[at_]; }
+  [[nodiscard]] std::size_t index() const { return at_; }
+  [[nodiscard]] double tip() const { return tip_; }
+  [[nodiscard]] double skin() const { return skin_; }
+
+  /// The next step, at most `longest`. Steps of one action have equal lengths, so that the step's
+  /// operator can be used again. Not for implant.
+  [[nodiscard]] NeedleStep next(double longest);
+  /// The step was taken; actions with an end of their own end here.
+  void commit(const NeedleStep& step);
+  /// Ends the present action (an implant; a settled tissue; a withdrawn needle).
+  void finish_action();
+
+ private:
+  [[nodiscard]] std::optional<double> target() const;
+
+  std::vector<Action> actions_;
+  std::size_t at_ = 0;
+  double along_sign_ = 1;
+  double skin_ = 0;
+  double tip_ = 0;
+  double elapsed_ = 0;  ///< in this action
+  double h_ = 0;        ///< of this action's steps; 0 before the first
+  int left_ = 0;        ///< steps of length h_ left; 0 if the end is not known
+};
+
+}  // namespace stylet

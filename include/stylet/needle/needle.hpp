@@ -1,0 +1,139 @@
+// One needle: a state machine that plans edits, constraints and forces, and judges their outcome.
+//
+// A step goes: start_step; then, as long as wants_edit, plan (the caller applies the edits); then
+// constraints (the caller solves); then review, which accepts or asks for another round from the
+// saved state; then commit. No Mat, Vec or KSP here.
+#pragma once
+
+#include "stylet/dynamics/constraint_set.hpp"
+#include "stylet/mesh/mesh.hpp"
+#include "stylet/needle/advance.hpp"
+#include "stylet/needle/axis.hpp"
+#include "stylet/needle/motion.hpp"
+#include "stylet/needle/parameters.hpp"
+#include "stylet/needle/track.hpp"
+#include "stylet/needle/view.hpp"
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+enum class NeedlePhase { outside, inserting, holding, retracting, withdrawn };
+[[nodiscard]] const char* name_of(NeedlePhase phase);
+
+/// stick: the tip pushes the tissue that it stands in, by a condition; cut: it cuts, at the threshold
+/// force; open: it does not touch the end of its path.
+enum class TipContact { stick, cut, open };
+
+/// Forces of the needle on the tissue, along the axis (N), positive in the direction of insertion.
+struct NeedleForces {
+  double tip = 0;
+  double friction = 0;
+  [[nodiscard]] double total() const { return tip + friction; }
+};
+
+/// What an accepted step did.
+struct NeedleStepReport {
+  NeedleForces forces;
+  double cutting_work = 0;   ///< J, dissipated at the tip
+  double friction_work = 0;  ///< J, dissipated along the shaft
+  double needle_work = 0;    ///< J, done by the hand
+  int n_stick = 0;
+  int n_slip = 0;
+  int contact_changes = 0;
+};
+
+struct NeedleCounts {
+  int hand_overs = 0;
+  int fallbacks = 0;      ///< advances along d because F was no help
+  int punctures = 0;
+  int frozen_contacts = 0;  ///< nodes and tips that reached the bound of contact changes in a step
+};
+
+/// Properties that the needle meets in the tissue.
+struct NeedleTissue {
+  std::vector<ReferencePoint> membrane;  ///< polygon; empty if there is none
+  double puncture_force = 0;             ///< N
+  std::vector<double> region_modulus;    ///< Young's modulus by region (Pa), for stiffness_share
+};
+
+class Needle {
+ public:
+  /// velocity_level: contact is decided by velocities (central difference).
+  Needle(NeedleParameters parameters, NeedleTissue tissue, bool velocity_level);
+
+  /// The skin node slides to the axis; start: the two nodes of the entry. Returns the edit. The tip
+  /// stands at the skin afterwards.
+  NeedleEdits enter(const Entry& entry, const NeedleView& start);
+
+  /// Nodes whose start-of-step state the next calls need; ascending.
+  [[nodiscard]] std::vector<int> watched(const Mesh& mesh) const;
+  /// Nodes whose trial the review needs; ascending.
+  [[nodiscard]] std::vector<int> shaft_nodes() const;
+
+  void start_step(const Mesh& mesh, const NeedleStep& step);
+  [[nodiscard]] bool wants_edit() const { return hand_over_wanted_ || remaining_ != 0; }
+  /// Throws NumericalError if the tip cannot go on.
+  NeedleEdits plan(const Mesh& mesh, const NeedleView& start);
+  [[nodiscard]] ConstraintSet constraints(const Mesh& mesh) const;
+  /// True: the step is accepted.
+  bool review(const Mesh& mesh, const TrialView& trial, double lambda);
+  NeedleStepReport commit(const Mesh& mesh, const TrialView& trial, double lambda);
+
+  [[nodiscard]] const NeedleParameters& parameters() const { return parameters_; }
+  [[nodiscard]] const Axis& axis() const { return axis_; }
+  [[nodiscard]] Motion& motion() { return motion_; }
+  [[nodiscard]] const Motion& motion() const { return motion_; }
+  [[nodiscard]] const Track& track() const { return track_; }
+  [[nodiscard]] NeedlePhase phase() const { return phase_; }
+  [[nodiscard]] TipContact tip_contact() const { return tip_; }
+  [[nodiscard]] bool at_membrane() const { return membrane_edge_.has_value(); }
+  [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
+  /// Where the tip stands in the reference mesh: the end of the path, or the point of the path that
+  /// a withdrawing tip has come back to.
+  [[nodiscard]] ReferencePoint tip_point(const Mesh& mesh) const;
+  /// True if every node of the path has been released.
+  [[nodiscard]] bool released() const;
+
+ private:
+  [[nodiscard]] double threshold(const Mesh& mesh) const;
+  [[nodiscard]] double cap();
+  [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
+  [[nodiscard]] std::vector<double> tip_weights(const Mesh& mesh) const;
+  [[nodiscard]] std::vector<double> friction_lengths(const Mesh& mesh) const;
+  bool review_friction(const Mesh& mesh, const TrialView& trial);
+  bool review_tip(const Mesh& mesh, const TrialView& trial, double lambda);
+  bool cut_further(double gap);
+  bool tip_changed();
+
+  NeedleParameters parameters_;
+  NeedleTissue tissue_;
+  bool velocity_level_;
+  Axis axis_;
+  Motion motion_;
+  NeedleStep step_;
+  NeedlePhase phase_ = NeedlePhase::outside;
+  TipContact tip_ = TipContact::stick;
+  Track track_;
+  double exposed_ = 0;  ///< length of the path ahead of a withdrawn tip (m)
+
+  // The advance within the present step.
+  std::optional<AdvanceBase> base_;
+  double b_ = 0;          ///< applied from base_ (m)
+  double remaining_ = 0;  ///< still to apply (m)
+  bool hand_over_wanted_ = false;
+  double advanced_ = 0;  ///< over the whole step (m)
+  std::optional<std::pair<double, double>> last_gap_;  ///< (b, gap) for the secant
+  std::optional<int> pending_membrane_edge_;
+  std::optional<int> membrane_edge_;  ///< the tip stands at this edge, not yet punctured
+  std::set<int> punctured_;
+  double pending_ = 0;      ///< advance left for the next step (lagged, m)
+  double last_tip_force_ = 0;  ///< N
+  int tip_changes_ = 0;
+  NeedleCounts counts_;
+};
+
+}  // namespace stylet

@@ -1,0 +1,54 @@
+// history.csv: one row a step, at the price of formatting some numbers.
+#pragma once
+
+#include "stylet/output/text_file.hpp"
+
+#include <mpi.h>
+
+#include <chrono>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+struct Column {
+  std::string name;
+  std::string unit;  ///< empty for counts and states
+};
+
+/// Rank 0 writes; numbers are the shortest text that reads back to the same bits, whole numbers
+/// have no exponent. A row reaches the operating system at the latest with the first row that comes
+/// a tenth of a second later, so a killed run loses no more than what it computed in that time.
+class HistoryWriter {
+ public:
+  /// Collective. The header is `name [unit]`.
+  HistoryWriter(MPI_Comm comm, const std::string& path, std::vector<Column> columns);
+  HistoryWriter(const HistoryWriter&) = delete;
+  HistoryWriter& operator=(const HistoryWriter&) = delete;
+  ~HistoryWriter();
+
+  /// Not collective and no communication; the row of ranks other than 0 is not used. A failure is
+  /// kept for the next flush.
+  void write(std::span<const double> row);
+  /// Collective. All ranks throw exit code `io` if a write failed since the start.
+  void flush();
+  /// Collective. flush, then waits for the disk.
+  void close();
+
+ private:
+  void hand_over() noexcept;
+
+  MPI_Comm comm_;
+  std::size_t n_columns_;
+  std::optional<TextFile> file_;  // rank 0
+  std::string buffer_;
+  std::optional<std::string> failure_;
+  std::chrono::steady_clock::time_point handed_over_;
+};
+
+/// Appends the number as history.csv shows it.
+void append_number(std::string& text, double value);
+
+}  // namespace stylet

@@ -1,0 +1,88 @@
+// What was asked: the scene after parsing and checking, in SI units.
+#pragma once
+
+#include "stylet/dynamics/parameters.hpp"
+#include "stylet/fem/parameters.hpp"
+#include "stylet/geometry/points.hpp"
+#include "stylet/mesh/parameters.hpp"
+#include "stylet/needle/parameters.hpp"
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+enum class SupportKind { fixed, roller, free };
+
+/// A named boundary and how it is held. roller: no displacement along the outward normal.
+struct Support {
+  std::string curve;
+  SupportKind kind = SupportKind::free;
+};
+
+/// Force per volume (N/m^3) from `start` on.
+struct BodyForce {
+  Vector2 force;
+  double start = 0;  ///< s
+};
+
+/// Force per metre of a named curve (N/m) from `start` on.
+struct Traction {
+  std::string curve;
+  Vector2 force;
+  double start = 0;  ///< s
+};
+
+/// A named curve moved by a given displacement; a component that is not given stays free. Reached
+/// linearly over `ramp` after `start`.
+struct PrescribedCurve {
+  std::string curve;
+  std::array<std::optional<double>, 2> displacement;  ///< m
+  double start = 0;                                   ///< s
+  double ramp = 0;                                    ///< s; 0: at once
+};
+
+struct Target {
+  std::string name;
+  ReferencePoint point;
+};
+
+struct Probe {
+  std::string name;
+  ReferencePoint point;
+};
+
+struct OutputParameters {
+  std::string directory;              ///< may be overridden by --output
+  bool history = true;                ///< history.csv
+  std::optional<double> snapshots;    ///< s between snapshots; none: no snapshots.h5
+};
+
+/// A number of summary.json (path with dots) and the range it must lie in.
+struct Expectation {
+  std::string quantity;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+struct Scene {
+  std::string file;  ///< for messages; paths in the scene are relative to its folder
+  MeshParameters mesh;
+  TissueParameters tissue;
+  std::vector<Support> supports;
+  std::vector<BodyForce> body_forces;
+  std::vector<Traction> tractions;
+  std::vector<PrescribedCurve> prescribed;
+  std::vector<NeedleParameters> needles;
+  std::optional<MembraneParameters> membrane;
+  std::vector<Target> targets;
+  std::vector<Probe> probes;
+  TimeParameters time;
+  OutputParameters output;
+  std::vector<Expectation> expect;
+};
+
+}  // namespace stylet

@@ -1,0 +1,12 @@
+// The part of the schema table about the needle and the membrane.
+#pragma once
+
+#include "stylet/needle/parameters.hpp"
+#include "stylet/scene/codec.hpp"
+
+namespace stylet {
+
+[[nodiscard]] Codec<NeedleParameters> needle_codec();
+[[nodiscard]] Codec<MembraneParameters> membrane_codec();
+
+}  // namespace stylet

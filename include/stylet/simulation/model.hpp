@@ -1,0 +1,43 @@
+// The tissue of a scene: mesh, numbering, operator, supports and loads.
+#pragma once
+
+#include "stylet/dynamics/constraint_set.hpp"
+#include "stylet/fem/tissue_operator.hpp"
+#include "stylet/mesh/mesh.hpp"
+#include "stylet/mesh/numbering.hpp"
+#include "stylet/scene/scene.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+/// A mesh in the numbers of this run, with the way back to the order of its source.
+struct NumberedMesh {
+  Mesh mesh;
+  std::vector<int> first_node;  ///< rank r owns nodes first_node[r] .. first_node[r+1]-1
+  std::vector<int> new_of_old_node;
+  std::vector<int> old_cell_of_new;
+};
+
+/// Collective. Reads or makes, checks, refines and numbers the mesh of a scene. Throws InputError.
+[[nodiscard]] NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene);
+
+/// Collective. Everything that a scene says of its mesh by name or by place exists: regions, curves,
+/// targets and probes inside the tissue, needles that meet it. Throws InputError. Locks the curves
+/// that carry conditions.
+void check_against_mesh(const Scene& scene, Mesh& mesh);
+
+/// Collective. Nodes near a needle's axis get room for edge flips.
+[[nodiscard]] std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
+                                                          const Scene& scene,
+                                                          const NumberedMesh& numbered);
+
+/// The outline of a region as closed polygon of mesh points, counter-clockwise. Throws InputError if
+/// it is not one closed curve.
+[[nodiscard]] std::vector<ReferencePoint> region_outline(const Mesh& mesh,
+                                                         const std::string& region);
+
+}  // namespace stylet

@@ -1,0 +1,130 @@
+// A scene as it runs: builds what is declared, then steps.
+#pragma once
+
+#include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/mesh/embedded_point.hpp"
+#include "stylet/needle/motion.hpp"
+#include "stylet/needle/needle.hpp"
+#include "stylet/scene/scene.hpp"
+#include "stylet/simulation/conditions.hpp"
+#include "stylet/simulation/energy.hpp"
+#include "stylet/simulation/model.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+struct Seed {
+  std::string needle;
+  std::string target;  ///< empty if the scene has none
+  double time = 0;     ///< of implantation (s)
+  EmbeddedPoint place;
+};
+
+/// A step of `time.step`, or what an action left of it.
+struct StepRecord {
+  double t = 0;  ///< at its end (s)
+  double h = 0;
+  int sub_steps = 0;
+  int passes = 0;      ///< solves tried
+  int iterations = 0;  ///< of KSP
+  NeedleStepReport needle;
+};
+
+struct RunCounts {
+  int steps = 0;
+  int sub_steps = 0;
+  int passes = 0;
+  long iterations = 0;
+  int edge_flips = 0;
+  int pattern_rebuilds = 0;
+  int deformed_inversions = 0;  ///< most inverted deformed elements around the tip at a time
+  double worst_quality = 1;     ///< of any element of the reference mesh at any time
+  double stable_step = 0;          ///< s; the smallest of the run; explicit only
+  double peak_needle_force = 0;    ///< N
+  NeedleCounts needle;
+};
+
+class Simulation {
+ public:
+  /// Collective. Throws InputError where scene and mesh do not fit. track_energy: for the history.
+  Simulation(MPI_Comm comm, Scene scene, bool track_energy);
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  [[nodiscard]] bool done() const { return done_; }
+  /// Collective. Throws NumericalError when the step has no valid answer.
+  StepRecord step();
+
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] const NumberedMesh& numbered() const { return numbered_; }
+  [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
+  [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] State& state() { return state_; }
+  /// The present needle, or none before the first, or in a scene without.
+  [[nodiscard]] const Needle* needle() const { return needle_ ? &*needle_ : nullptr; }
+  [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
+  [[nodiscard]] const RunCounts& counts() const { return counts_; }
+  [[nodiscard]] const Energies* energies() const {
+    return ledger_ ? &ledger_->energies() : nullptr;
+  }
+  [[nodiscard]] const std::vector<EmbeddedPoint>& membrane() const { return membrane_; }
+  [[nodiscard]] const std::vector<EmbeddedPoint>& probes() const { return probes_; }
+  /// Collective. World positions of embedded points.
+  [[nodiscard]] std::vector<WorldPoint> world(std::span<const EmbeddedPoint> points) const;
+  /// Collective. Total force on the tissue (N) that a prescribed curve needed in the last step.
+  [[nodiscard]] Vector2 curve_reaction(std::size_t curve) const;
+  /// Share of the scene's time that is done, 0 to 1, as far as it is known.
+  [[nodiscard]] double fraction() const;
+  /// Distance between a seed and its target. At the last implant of a run until then it is the
+  /// final one (model.md, section 9).
+  [[nodiscard]] std::vector<double> placement_errors() const;
+
+ private:
+  void start();
+  void act_without_time();
+  void enter_next_needle();
+  void implant();
+  Motion& motion() { return needle_ ? needle_->motion() : *clock_; }
+  double sub_step(double longest, StepRecord& record);
+  bool edit_for_needle();
+  void apply(const NeedleEdits& edits, bool repair);
+  NeedleView start_view(std::span<const int> nodes) const;
+  TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
+  ConstraintSet constraints(const Needle* active) const;
+  void update_load(double t);
+  void accept(const Trial& trial, double h, const NeedleStepReport& report);
+  void count_deformed_inversions();
+  bool settled() const;
+
+  MPI_Comm comm_;
+  Scene scene_;
+  NumberedMesh numbered_;
+  std::unique_ptr<TissueOperator> tissue_;
+  Conditions conditions_;
+  std::unique_ptr<TimeIntegrator> integrator_;
+  State state_;
+  OwnedVec load_;
+  OwnedVec last_load_;
+  std::vector<PrescribedDof> base_;
+  std::optional<EnergyLedger> ledger_;
+  OwnedVec reaction_;  ///< of the last step, where curves are prescribed
+  std::size_t n_entered_ = 0;
+  std::optional<Needle> needle_;
+  std::optional<Motion> clock_;  ///< of a scene without a needle
+  std::vector<EmbeddedPoint> membrane_;
+  std::vector<EmbeddedPoint> probes_;
+  std::vector<Seed> seeds_;
+  RunCounts counts_;
+  NeedleCounts earlier_needles_;
+  double estimated_time_ = 0;
+  long settling_steps_ = 0;
+  bool started_ = false;
+  bool done_ = false;
+};
+
+}  // namespace stylet

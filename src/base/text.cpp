@@ -1,0 +1,48 @@
+#include "stylet/base/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <numeric>
+
+namespace stylet {
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  // One row of the distance table at a time: row[j] belongs to the first j characters of b.
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string nearest(const std::string& word, std::span<const std::string> candidates) {
+  const auto best = std::ranges::min_element(candidates, {}, [&word](const std::string& candidate) {
+    return edit_distance(word, candidate);
+  });
+  return best == candidates.end() ? std::string() : *best;
+}
+
+std::string join(std::span<const std::string> words, const std::string& separator) {
+  std::string text;
+  for (const std::string& word : words) {
+    if (!text.empty()) text += separator;
+    text += word;
+  }
+  return text;
+}
+
+std::string exact(double value) {
+  std::array<char, 32> buffer{};  // a double needs at most 24 characters
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end};
+}
+
+}  // namespace stylet

@@ -1,0 +1,120 @@
+#include "stylet/base/units.hpp"
+
+#include "stylet/base/errors.hpp"
+
+#include <udunits2.h>
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <regex>
+
+namespace stylet {
+
+namespace {
+
+template <auto free>
+struct Free {
+  template <class T>
+  void operator()(T* pointer) const {
+    free(pointer);
+  }
+};
+using System = std::unique_ptr<ut_system, Free<ut_free_system>>;
+using Unit = std::unique_ptr<ut_unit, Free<ut_free>>;
+using Converter = std::unique_ptr<cv_converter, Free<cv_free>>;
+
+ut_system* unit_system() {
+  static const System system = [] {
+    ut_set_error_message_handler(ut_ignore);
+    System loaded(ut_read_xml(nullptr));
+    if (!loaded) throw IoError("the unit database of udunits2 cannot be read");
+    return loaded;
+  }();
+  return system.get();
+}
+
+/// udunits2 also reads numbers, offsets and dates in a unit ('10 kPa' in '60 10 kPa'): only names
+/// with exponents, joined by products and quotients, are let through.
+bool looks_like_unit(const std::string& unit) {
+  static const std::regex pattern(
+      R"((1 ?/ ?)?[^ 0-9*/.^()@+-]+(\^?-?[0-9])?( ?[*/. ] ?[^ 0-9*/.^()@+-]+(\^?-?[0-9])?)*)");
+  constexpr std::size_t longest = 64;  // std::regex recurses
+  return unit.size() < longest && std::regex_match(unit, pattern);
+}
+
+Unit parse_unit(const std::string& unit) {
+  return Unit(looks_like_unit(unit) ? ut_parse(unit_system(), unit.c_str(), UT_UTF8) : nullptr);
+}
+
+/// Same dimension. Not ut_are_convertible, which takes a frequency for a time.
+bool same_dimension(const Unit& from, const Unit& to) {
+  const Unit ratio(ut_divide(from.get(), to.get()));
+  return ratio && ut_is_dimensionless(ratio.get()) != 0;
+}
+
+double convert(double value, const Unit& from, const Unit& to) {
+  const Converter converter(ut_get_converter(from.get(), to.get()));
+  const double factor = cv_convert_double(converter.get(), 1.0);
+  // Dividing by the whole number 100 is rounded once, multiplying by 0.01 twice.
+  const double divisor = std::round(1 / factor);
+  return factor < 1 && std::abs(divisor * factor - 1) < 1e-15 ? value / divisor : value * factor;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\n");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
+}
+
+struct Leading {
+  double number;
+  std::string rest;
+};
+
+/// The number at the start of a text and what follows it; none if there is no finite number.
+std::optional<Leading> leading_number(const std::string& text) {
+  const std::string body = trimmed(text);
+  const char* first = body.data();
+  const char* const last = first + body.size();
+  if (body.size() > 1 && body[0] == '+' && body[1] != '-') ++first;  // not known to from_chars
+  double number = 0;
+  const auto [end, error] = std::from_chars(first, last, number);
+  if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
+  return Leading{number, trimmed({end, last})};
+}
+
+}  // namespace
+
+std::optional<double> plain_number(const std::string& text) {
+  const auto leading = leading_number(text);
+  if (!leading || !leading->rest.empty()) return std::nullopt;
+  return leading->number;
+}
+
+double to_si(const std::string& text, const std::string& si_unit) {
+  const auto refuse = [&text](const std::string& reason) {
+    throw InputError("'" + text + "' " + reason);
+  };
+  const auto leading = leading_number(text);
+  if (!leading) refuse("does not start with a finite number");
+  if (leading->rest.empty()) refuse("needs a unit, such as " + customary_unit(si_unit));
+  const Unit from = parse_unit(leading->rest);
+  if (!from) refuse("has the unknown unit '" + leading->rest + "'");
+  const Unit to = parse_unit(si_unit);
+  if (!to) throw Error(ExitCode::other, "'" + si_unit + "' is not a unit of udunits2");
+  if (!same_dimension(from, to)) refuse("is not convertible to " + si_unit);
+  const double value = convert(leading->number, from, to);
+  if (!std::isfinite(value)) refuse("is not a finite number in " + si_unit);
+  return value;
+}
+
+std::string customary_unit(const std::string& si_unit) {
+  static const std::map<std::string, std::string> customary = {
+      {"m", "mm"}, {"s", "ms"}, {"Pa", "kPa"}, {"m/s", "cm/s"}};
+  const auto found = customary.find(si_unit);
+  return found == customary.end() ? si_unit : found->second;
+}
+
+}  // namespace stylet

@@ -1,0 +1,221 @@
+#include "stylet/dynamics/explicit_newmark.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/dynamics/central_difference_ts.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stylet {
+
+namespace {
+
+/// A vector's owned entries, by global dof.
+class Entries {
+ public:
+  explicit Entries(Vec vec) : vec_(vec) {
+    check(VecGetOwnershipRange(vec, &begin_, &end_));
+    check(VecGetArray(vec, &values_));
+  }
+  Entries(const Entries&) = delete;
+  Entries& operator=(const Entries&) = delete;
+  ~Entries() { (void)VecRestoreArray(vec_, &values_); }
+  [[nodiscard]] bool owns(int dof) const { return dof >= begin_ && dof < end_; }
+  double& operator[](int dof) { return values_[dof - begin_]; }
+
+ private:
+  Vec vec_;
+  PetscInt begin_ = 0;
+  PetscInt end_ = 0;
+  PetscScalar* values_ = nullptr;
+};
+
+}  // namespace
+
+double stable_step(double omega_squared, double stiffness_factor) {
+  const double omega = std::sqrt(omega_squared);
+  const double xi = 0.5 * stiffness_factor * omega;
+  // 2 (sqrt(1 + xi^2) - xi) / omega without cancellation.
+  return 2 / (omega * (std::sqrt(1 + xi * xi) + xi));
+}
+
+ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
+                                 const Mesh& mesh,
+                                 const TimeParameters& parameters)
+    : tissue_(tissue),
+      safety_(parameters.safety),
+      damping_(tissue.damping().value_or(RayleighDamping{})) {
+  for (OwnedVec* vec : {&u_, &v_, &a_, &force_, &work_, &reaction_}) {
+    *vec = tissue.make_vector();
+    check(VecSet(vec->get(), 0));
+  }
+  bound_.resize(static_cast<std::size_t>(mesh.n_cells()));
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    bound_[static_cast<std::size_t>(c)] = tissue.element_bound(mesh, c);
+  }
+  largest_bound_ = *std::ranges::max_element(bound_);
+  register_central_difference();
+  check(TSCreate(tissue.comm(), ts_.put()));
+  check(TSSetType(ts_.get(), central_difference_type));
+  check(TS2SetSolution(ts_.get(), u_.get(), v_.get()));
+  check(TSSetMaxSteps(ts_.get(), PETSC_MAX_INT));
+  check(TSSetMaxTime(ts_.get(), PETSC_MAX_REAL));
+  check(TSSetExactFinalTime(ts_.get(), TS_EXACTFINALTIME_STEPOVER));
+  set_acceleration(
+      ts_.get(), [this](double, Vec u, Vec v_half, Vec a) { accelerate(u, v_half, a); }, a_.get());
+}
+
+double ExplicitNewmark::stable_step() const {
+  return safety_ * stylet::stable_step(largest_bound_, damping_.stiffness_factor);
+}
+
+void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
+  bool lowered = false;
+  for (const int c : cells) {
+    double& bound = bound_[static_cast<std::size_t>(c)];
+    const double now = tissue_.element_bound(mesh, c);
+    lowered = lowered || (bound == largest_bound_ && now < bound);
+    bound = now;
+    largest_bound_ = std::max(largest_bound_, now);
+  }
+  if (lowered) largest_bound_ = *std::ranges::max_element(bound_);
+}
+
+void ExplicitNewmark::begin(State& state, Vec load, double h) {
+  state_ = &state;
+  load_ = load;
+  h_ = h;
+  fresh_ = true;
+}
+
+void ExplicitNewmark::accelerate(Vec u, Vec v_half, Vec a) {
+  {
+    Entries entries(u);
+    for (const auto& c : constraints_->dofs) {
+      if (!c.velocity && entries.owns(c.dof)) entries[c.dof] = c.value;
+    }
+  }
+  Vec stretched = u;
+  if (damping_.stiffness_factor != 0) {
+    check(VecWAXPY(work_.get(), damping_.stiffness_factor, v_half, u));
+    stretched = work_.get();
+  }
+  check(MatMult(tissue_.stiffness(), stretched, force_.get()));
+  check(VecAYPX(force_.get(), -1, load_));
+  check(VecPointwiseDivide(a, force_.get(), tissue_.lumped_mass()));
+  // (1 + h/2 c) a = M^-1 (f - K u) - c v_half
+  if (damping_.mass_factor != 0) {
+    check(VecAXPY(a, -damping_.mass_factor, v_half));
+    check(VecScale(a, 1 / (1 + 0.5 * h_ * damping_.mass_factor)));
+  }
+}
+
+void ExplicitNewmark::restore() {
+  PetscScalar* v = nullptr;
+  PetscScalar* a = nullptr;
+  check(VecGetArray(v_.get(), &v));
+  check(VecGetArray(a_.get(), &a));
+  for (const auto& value : overridden_) {
+    v[value.index] = value.v;
+    a[value.index] = value.a;
+  }
+  check(VecRestoreArray(a_.get(), &a));
+  check(VecRestoreArray(v_.get(), &v));
+  overridden_.clear();
+}
+
+Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
+  constraints_ = &constraints;
+  if (fresh_ || edited) {
+    check(VecCopy(state_->u.get(), u_.get()));
+    check(VecCopy(state_->v.get(), v_.get()));
+    check(VecCopy(state_->a.get(), a_.get()));
+    check(TSSetTime(ts_.get(), state_->t));
+    check(TSSetTimeStep(ts_.get(), h_));
+    check(TSStep(ts_.get()));
+    overridden_.clear();
+    fresh_ = false;
+  } else {
+    restore();
+  }
+  return {u_.get(), v_.get(), reaction_.get(), apply(constraints), 0};
+}
+
+// Contact on the dofs that feel it; everything is local since the mass is diagonal.
+double ExplicitNewmark::apply(const ConstraintSet& constraints) {
+  check(VecSet(reaction_.get(), 0));
+  Entries v(v_.get());
+  Entries a(a_.get());
+  Entries u(u_.get());
+  Entries reaction(reaction_.get());
+  Entries mass(tissue_.lumped_mass());
+  const int first = tissue_.first_dof();
+  const double damped = 1 + 0.5 * h_ * damping_.mass_factor;
+  const auto keep = [&](int dof) { overridden_.push_back({dof - first, v[dof], a[dof]}); };
+  // Kept in the order of changes and restored likewise: the first record of a dof must win.
+  for (const auto& [dof, force] : constraints.forces) {
+    if (!v.owns(dof)) continue;
+    keep(dof);
+    const double extra = force / (mass[dof] * damped);
+    a[dof] += extra;
+    v[dof] += 0.5 * h_ * extra;
+  }
+  std::vector<int> held;
+  {
+    const PetscScalar* u0 = nullptr;
+    check(VecGetArrayRead(state_->u.get(), &u0));
+    for (const auto& c : constraints.dofs) {
+      if (!v.owns(c.dof)) continue;
+      keep(c.dof);
+      held.push_back(c.dof);
+      reaction[c.dof] = -mass[c.dof] * damped * a[c.dof];
+      a[c.dof] = 0;
+      v[c.dof] = c.velocity ? c.value : (c.value - u0[c.dof - first]) / h_;
+    }
+    check(VecRestoreArrayRead(state_->u.get(), &u0));
+  }
+  double lambda = 0;
+  if (constraints.mean) {
+    const auto& mean = *constraints.mean;
+    std::ranges::sort(held);
+    const auto mobility = [&](int dof) {
+      return std::ranges::binary_search(held, dof) ? 0.0 : 1 / (mass[dof] * damped);
+    };
+    double sums[4] = {0, 0, 0, 0};  // w.u, w.v, w.a, w.M^-1 w
+    for (const auto& [dof, weight] : mean.weights) {
+      if (!v.owns(dof)) continue;
+      sums[0] += weight * u[dof];
+      sums[1] += weight * v[dof];
+      sums[2] += weight * a[dof];
+      sums[3] += weight * weight * mobility(dof);
+    }
+    if (size_of(tissue_.comm()) > 1) {
+      check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    }
+    if (!(sums[3] > 0)) {
+      throw NumericalError("the tip condition cannot be met: every node of the tip is held");
+    }
+    lambda = -sums[2] / sums[3];
+    const double wanted = mean.rate + (mean.value - sums[0]) / h_;
+    const double impulse = (wanted - sums[1]) / sums[3];
+    for (const auto& [dof, weight] : mean.weights) {
+      if (!v.owns(dof)) continue;
+      keep(dof);
+      a[dof] += lambda * weight * mobility(dof);
+      v[dof] += impulse * weight * mobility(dof);
+    }
+  }
+  std::ranges::reverse(overridden_);
+  return lambda;
+}
+
+void ExplicitNewmark::accept() {
+  check(VecCopy(u_.get(), state_->u.get()));
+  check(VecCopy(v_.get(), state_->v.get()));
+  check(VecCopy(a_.get(), state_->a.get()));
+  state_->t += h_;
+}
+
+}  // namespace stylet

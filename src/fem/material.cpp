@@ -1,0 +1,51 @@
+#include "stylet/fem/material.hpp"
+
+#include "stylet/base/errors.hpp"
+
+#include <cmath>
+#include <string>
+
+namespace stylet {
+
+Moduli lame_moduli(const LinearElastic& material) {
+  const double e = material.youngs_modulus;
+  const double nu = material.poisson_ratio;
+  if (!(e > 0) || !(nu >= 0) || !(nu < 0.5)) {
+    throw InputError("material needs youngs_modulus > 0 and 0 <= poisson_ratio < 0.5, not " +
+                     std::to_string(e) + " Pa and " + std::to_string(nu));
+  }
+  return {e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))};
+}
+
+Moduli plane_moduli(const LinearElastic& material, Plane plane) {
+  Moduli m = lame_moduli(material);
+  if (plane == Plane::stress) {
+    m.lambda = material.youngs_modulus * material.poisson_ratio /
+               (1 - material.poisson_ratio * material.poisson_ratio);
+  }
+  return m;
+}
+
+double PlaneStress::von_mises() const {
+  return std::sqrt(0.5 * ((xx - yy) * (xx - yy) + (yy - zz) * (yy - zz) + (zz - xx) * (zz - xx)) +
+                   3 * xy * xy);
+}
+
+PlaneStress plane_stress(const LinearSimplex<2>::Block& h, const Moduli& m, Plane plane) {
+  const double trace = h[0][0] + h[1][1];
+  PlaneStress s;
+  s.xx = m.lambda * trace + 2 * m.mu * h[0][0];
+  s.yy = m.lambda * trace + 2 * m.mu * h[1][1];
+  s.xy = m.mu * (h[0][1] + h[1][0]);
+  s.zz = plane == Plane::strain ? m.lambda * trace : 0.0;
+  return s;
+}
+
+double strain_energy_density(const LinearSimplex<2>::Block& h, const Moduli& m) {
+  const double trace = h[0][0] + h[1][1];
+  const double shear = h[0][1] + h[1][0];
+  return 0.5 * m.lambda * trace * trace +
+         m.mu * (h[0][0] * h[0][0] + h[1][1] * h[1][1] + 0.5 * shear * shear);
+}
+
+}  // namespace stylet

@@ -1,0 +1,316 @@
+#include "stylet/fem/tissue_operator.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/fem/material.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/log.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace stylet {
+
+namespace {
+
+constexpr std::size_t dim = 2;
+
+LinearSimplex<2> simplex(const Mesh& mesh, int cell) {
+  const auto n = mesh.cell(cell);
+  return LinearSimplex<2>(
+      {mesh.coordinates(n[0]), mesh.coordinates(n[1]), mesh.coordinates(n[2])});
+}
+
+}  // namespace
+
+TissueOperator::TissueOperator(MPI_Comm comm,
+                               const Mesh& mesh,
+                               std::vector<int> first_node,
+                               const TissueParameters& parameters,
+                               std::function<bool(int)> needs_flips)
+    : comm_(comm),
+      first_node_(std::move(first_node)),
+      parameters_(parameters),
+      needs_flips_(std::move(needs_flips)),
+      cell_region_(mesh.data().cell_region) {
+  const auto rank = static_cast<std::size_t>(rank_of(comm));
+  begin_ = first_node_[rank];
+  end_ = first_node_[rank + 1];
+  std::vector<bool> given(mesh.data().region_names.size(), false);
+  by_region_.resize(given.size());
+  bool uniform = true;
+  for (const auto& [region, elastic] : parameters_.regions) {
+    const auto index = static_cast<std::size_t>(mesh.region_index(region));
+    by_region_[index] = {plane_moduli(elastic, parameters_.plane), elastic.density};
+    given[index] = true;
+    const auto& first = parameters_.regions.front().material;
+    uniform = uniform && elastic.youngs_modulus == first.youngs_modulus &&
+              elastic.poisson_ratio == first.poisson_ratio && elastic.density == first.density;
+  }
+  for (std::size_t r = 0; r < given.size(); ++r) {
+    if (!given[r]) {
+      throw InputError(mesh.data().source + ": region '" + mesh.data().region_names[r] +
+                       "' of the mesh has no material in tissue.regions");
+    }
+  }
+  if (!uniform && needs_flips_) region_map_.emplace(mesh);
+  make_pattern(mesh);
+}
+
+TissueOperator::CellMaterial TissueOperator::material(int cell) const {
+  if (const auto mixed = mixed_.find(cell); mixed != mixed_.end()) return mixed->second;
+  return by_region_[static_cast<std::size_t>(cell_region_[static_cast<std::size_t>(cell)])];
+}
+
+Moduli TissueOperator::moduli(int cell) const { return material(cell).moduli; }
+double TissueOperator::density(int cell) const { return material(cell).density; }
+
+void TissueOperator::remix(const Mesh& mesh, std::span<const int> cells) {
+  if (!region_map_) return;
+  for (const int cell : cells) {
+    CellMaterial mean{};
+    for (const auto& [region, share] : region_map_->shares(mesh, cell)) {
+      const auto& part = by_region_[static_cast<std::size_t>(region)];
+      mean.moduli.lambda += share * part.moduli.lambda;
+      mean.moduli.mu += share * part.moduli.mu;
+      mean.density += share * part.density;
+    }
+    mixed_[cell] = mean;
+  }
+}
+
+double TissueOperator::element_bound(const Mesh& mesh, int cell) const {
+  const auto element = simplex(mesh, cell);
+  const auto m = material(cell);
+  std::array<std::array<double, 6>, 6> k{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      const auto block = element.stiffness(a, b, m.moduli);
+      for (std::size_t i = 0; i < 2; ++i) {
+        for (std::size_t j = 0; j < 2; ++j) k[2 * a + i][2 * b + j] = block[i][j];
+      }
+    }
+  }
+  // (sum lambda^16)^(1/16) by three squarings: K_e has rank 3, so at most 3^(1/16) too high.
+  double scale = 1;
+  double exponent = 1;
+  for (int squaring = 0; squaring < 3; ++squaring) {
+    double largest = 0;
+    for (const auto& row : k) {
+      for (const double value : row) largest = std::max(largest, std::abs(value));
+    }
+    scale *= std::pow(largest, 1 / exponent);
+    std::array<std::array<double, 6>, 6> square{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (std::size_t j = 0; j < 6; ++j) {
+        for (std::size_t l = 0; l < 6; ++l) {
+          square[i][j] += k[i][l] / largest * (k[l][j] / largest);
+        }
+      }
+    }
+    k = square;
+    exponent *= 2;
+  }
+  double frobenius = 0;
+  for (const auto& row : k) {
+    for (const double value : row) frobenius += value * value;
+  }
+  const double largest = scale * std::pow(frobenius, 1 / (2 * exponent));
+  return largest / (m.density * element.lumped_mass());
+}
+
+void TissueOperator::make_pattern(const Mesh& mesh) {
+  static const LogEvent event("StyletPattern");
+  const LogScope scope(event);
+  const int n_owned = end_ - begin_;
+  couplings_.resize(static_cast<std::size_t>(n_owned));
+  std::vector<PetscInt> diagonal(static_cast<std::size_t>(n_owned));
+  std::vector<PetscInt> off_diagonal(static_cast<std::size_t>(n_owned));
+  for (int node = begin_; node < end_; ++node) {
+    auto columns = mesh.neighbours(node);
+    if (needs_flips_ && needs_flips_(node)) {
+      std::set<int> ring(columns.begin(), columns.end());
+      for (const int other : columns) {
+        for (const int far : mesh.neighbours(other)) ring.insert(far);
+      }
+      columns.assign(ring.begin(), ring.end());
+    }
+    const auto at = static_cast<std::size_t>(node - begin_);
+    const auto own = std::ranges::count_if(columns, [&](int c) { return owns(c); });
+    diagonal[at] = static_cast<PetscInt>(own);
+    off_diagonal[at] = static_cast<PetscInt>(columns.size()) - diagonal[at];
+    couplings_[at] = std::move(columns);
+  }
+  const auto make = [&](std::size_t columns_a_coupling) {
+    std::vector<PetscInt> d;
+    std::vector<PetscInt> o;
+    for (std::size_t i = 0; i < diagonal.size(); ++i) {
+      for (std::size_t k = 0; k < dim; ++k) {
+        d.push_back(diagonal[i] * static_cast<PetscInt>(columns_a_coupling));
+        o.push_back(off_diagonal[i] * static_cast<PetscInt>(columns_a_coupling));
+      }
+    }
+    OwnedMat matrix;
+    check(MatCreateAIJ(comm_, 2 * n_owned, 2 * n_owned, n_dofs(), n_dofs(), 0, d.data(), 0, o.data(),
+                       matrix.put()));
+    check(MatSetOption(matrix.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
+    check(MatSetOption(matrix.get(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
+    check(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
+    check(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+    return matrix;
+  };
+  stiffness_ = make(2);
+  if (parameters_.mass == MassKind::consistent) {
+    mass_ = make(1);
+  } else {
+    lumped_ = make_vector();
+  }
+  if (tangent_) tangent_ = make(2);
+  std::vector<int> all(static_cast<std::size_t>(n_owned));
+  std::iota(all.begin(), all.end(), begin_);
+  fill(mesh, all);
+}
+
+OwnedVec TissueOperator::make_vector() const {
+  OwnedVec vec;
+  check(VecCreateMPI(comm_, 2 * (end_ - begin_), n_dofs(), vec.put()));
+  return vec;
+}
+
+void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
+  static const LogEvent event("StyletAssemble");
+  const LogScope scope(event);
+  std::vector<double> k_rows;
+  std::vector<double> m_rows;
+  std::vector<double> a_rows;
+  std::vector<PetscInt> columns;
+  const double t = parameters_.thickness;
+  const bool consistent = parameters_.mass == MassKind::consistent;
+  const auto c = tangent_combination_;
+  for (const int node : owned_nodes) {
+    const auto& coupled = couplings_[static_cast<std::size_t>(node - begin_)];
+    const std::size_t width = 2 * coupled.size();
+    k_rows.assign(2 * width, 0.0);
+    m_rows.assign(coupled.size(), 0.0);
+    double lumped = 0;
+    for (const int cell : mesh.cells_around(node)) {
+      const auto nodes = mesh.cell(cell);
+      const auto element = simplex(mesh, cell);
+      const auto m = material(cell);
+      const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
+      lumped += t * m.density * element.lumped_mass();
+      for (std::size_t b = 0; b < 3; ++b) {
+        const auto at = static_cast<std::size_t>(
+            std::ranges::lower_bound(coupled, nodes[b]) - coupled.begin());
+        const auto block = element.stiffness(a, b, m.moduli);
+        for (std::size_t i = 0; i < dim; ++i) {
+          for (std::size_t k = 0; k < dim; ++k) {
+            k_rows[i * width + 2 * at + k] += t * block[i][k];
+          }
+        }
+        m_rows[at] += t * m.density * element.consistent_mass(a, b);
+      }
+    }
+    columns.resize(width);
+    for (std::size_t j = 0; j < coupled.size(); ++j) {
+      columns[2 * j] = 2 * coupled[j];
+      columns[2 * j + 1] = 2 * coupled[j] + 1;
+    }
+    const PetscInt rows[2] = {2 * node, 2 * node + 1};
+    const auto n = static_cast<PetscInt>(width);
+    check(MatSetValues(stiffness_.get(), 2, rows, n, columns.data(), k_rows.data(), INSERT_VALUES));
+    if (tangent_) {
+      a_rows = k_rows;
+      for (double& value : a_rows) value *= c.stiffness;
+      for (std::size_t i = 0; i < dim; ++i) {
+        for (std::size_t j = 0; j < coupled.size(); ++j) {
+          const double mass = consistent ? m_rows[j] : (coupled[j] == node ? lumped : 0.0);
+          a_rows[i * width + 2 * j + i] += c.mass * mass;
+        }
+      }
+      check(MatSetValues(tangent_.get(), 2, rows, n, columns.data(), a_rows.data(), INSERT_VALUES));
+    }
+    if (consistent) {
+      std::vector<PetscInt> own(coupled.size());
+      for (PetscInt i = 0; i < 2; ++i) {
+        for (std::size_t j = 0; j < coupled.size(); ++j) own[j] = 2 * coupled[j] + i;
+        check(MatSetValues(mass_.get(), 1, &rows[i], static_cast<PetscInt>(own.size()), own.data(),
+                           m_rows.data(), INSERT_VALUES));
+      }
+    } else {
+      const double both[2] = {lumped, lumped};
+      check(VecSetValues(lumped_.get(), 2, rows, both, INSERT_VALUES));
+    }
+  }
+  std::vector<Mat> matrices{stiffness_.get()};
+  if (mass_) matrices.push_back(mass_.get());
+  if (tangent_) matrices.push_back(tangent_.get());
+  for (Mat matrix : matrices) {
+    check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  }
+  if (lumped_) {
+    check(VecAssemblyBegin(lumped_.get()));
+    check(VecAssemblyEnd(lumped_.get()));
+  }
+}
+
+bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells) {
+  std::vector<int> nodes;
+  for (const int cell : touched_cells) {
+    for (const int node : mesh.cell(cell)) nodes.push_back(node);
+  }
+  std::ranges::sort(nodes);
+  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  remix(mesh, touched_cells);
+  // The mesh is replicated, so every rank can see whether any owner lacks a coupling.
+  int lacks = 0;
+  std::vector<int> owned;
+  for (const int node : nodes) {
+    if (!owns(node)) continue;
+    owned.push_back(node);
+    const auto& coupled = couplings_[static_cast<std::size_t>(node - begin_)];
+    if (!std::ranges::includes(coupled, mesh.neighbours(node))) lacks = 1;
+  }
+  if (size_of(comm_) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_));
+  }
+  if (lacks != 0) {
+    make_pattern(mesh);
+    return true;
+  }
+  fill(mesh, owned);
+  return false;
+}
+
+void TissueOperator::apply_mass(Vec x, Vec y) const {
+  if (mass_) {
+    check(MatMult(mass_.get(), x, y));
+  } else {
+    check(VecPointwiseMult(y, lumped_.get(), x));
+  }
+}
+
+Combination TissueOperator::tangent(double shift_v, double shift_a) const {
+  const auto d = parameters_.damping.value_or(RayleighDamping{});
+  return {shift_a + shift_v * d.mass_factor, 1 + shift_v * d.stiffness_factor};
+}
+
+void TissueOperator::make_tangent(Combination combination) {
+  tangent_combination_ = combination;
+  check(MatDuplicate(stiffness_.get(), MAT_COPY_VALUES, tangent_.put()));
+  check(MatSetOption(tangent_.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
+  check(MatScale(tangent_.get(), combination.stiffness));
+  if (mass_) {
+    check(MatAXPY(tangent_.get(), combination.mass, mass_.get(), SUBSET_NONZERO_PATTERN));
+  } else {
+    OwnedVec diagonal = make_vector();
+    check(VecCopy(lumped_.get(), diagonal.get()));
+    check(VecScale(diagonal.get(), combination.mass));
+    check(MatDiagonalSet(tangent_.get(), diagonal.get(), ADD_VALUES));
+  }
+}
+
+}  // namespace stylet

@@ -1,0 +1,461 @@
+#include "stylet/needle/needle.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/needle/membrane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace stylet {
+
+namespace {
+
+// A contact node may change its state this often in a step; then it stays as it is and is counted.
+constexpr int most_changes = 8;
+// Of the advance of the needle in a step: what a consistent cut leaves open goes to the next step.
+constexpr double gap_tolerance = 1e-4;
+// Relative slack of force thresholds against round-off of the solver.
+constexpr double force_slack = 1e-9;
+// A hand-over that leaves a worse triangle is refused.
+constexpr double quality_floor = 0.03;
+
+}  // namespace
+
+const char* name_of(NeedlePhase phase) {
+  switch (phase) {
+    case NeedlePhase::outside: return "outside";
+    case NeedlePhase::inserting: return "inserting";
+    case NeedlePhase::holding: return "holding";
+    case NeedlePhase::retracting: return "retracting";
+    case NeedlePhase::withdrawn: break;
+  }
+  return "withdrawn";
+}
+
+Needle::Needle(NeedleParameters parameters, NeedleTissue tissue, bool velocity_level)
+    : parameters_(std::move(parameters)),
+      tissue_(std::move(tissue)),
+      velocity_level_(velocity_level),
+      axis_{parameters_.height},
+      motion_(parameters_.motion) {}
+
+NeedleEdits Needle::enter(const Entry& entry, const NeedleView& start) {
+  const NodeState state =
+      interpolate(entry.fraction, start.at(entry.node), start.at(entry.neighbour));
+  track_.push({entry.node});
+  motion_.enter(axis_.along(displaced(entry.x, state.u)), Axis::along_sign);
+  NeedleEdits edits;
+  if (entry.fraction > 0) edits.moves.push_back({entry.node, entry.x, state});
+  return edits;
+}
+
+std::vector<int> Needle::watched(const Mesh& mesh) const {
+  auto nodes = mesh.neighbours(track_.tip());
+  for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
+  std::ranges::sort(nodes);
+  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  return nodes;
+}
+
+std::vector<int> Needle::shaft_nodes() const {
+  std::vector<int> nodes;
+  for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
+  std::ranges::sort(nodes);
+  return nodes;
+}
+
+double Needle::threshold(const Mesh& mesh) const {
+  const auto& cutting = parameters_.cutting;
+  double share = 1;
+  if (cutting.stiffness_share > 0) {
+    // The element furthest ahead of the tip.
+    int ahead = -1;
+    double furthest = -std::numeric_limits<double>::infinity();
+    for (const int c : mesh.cells_around(track_.tip())) {
+      double along = 0;
+      for (const int node : mesh.cell(c)) along += Axis::along(mesh.point(node)) / 3;
+      if (along > furthest) {
+        furthest = along;
+        ahead = c;
+      }
+    }
+    const double e = tissue_.region_modulus[static_cast<std::size_t>(mesh.region(ahead))];
+    share += cutting.stiffness_share * (e / cutting.reference_youngs_modulus - 1);
+  }
+  return cutting.cutting_force / cutting.sharpness * share;
+}
+
+std::vector<double> Needle::tip_weights(const Mesh& mesh) const {
+  const double path = track_.distances(mesh).front();
+  const double zone = std::min(parameters_.cutting.tip_length, path);
+  if (zone <= 0) {
+    std::vector<double> weights(track_.size(), 0.0);
+    weights.back() = 1;
+    return weights;
+  }
+  auto weights = track_.lengths(mesh, 0, zone);
+  for (double& weight : weights) weight /= zone;
+  return weights;
+}
+
+std::vector<double> Needle::friction_lengths(const Mesh& mesh) const {
+  const double path = track_.distances(mesh).front();
+  return track_.lengths(mesh, exposed_ + parameters_.cutting.tip_length, path);
+}
+
+void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
+  step_ = step;
+  phase_ = step.speed() > 0   ? NeedlePhase::inserting
+           : step.speed() < 0 ? NeedlePhase::retracting
+                              : NeedlePhase::holding;
+  base_.reset();
+  last_gap_.reset();
+  b_ = 0;
+  advanced_ = 0;
+  remaining_ = 0;
+  tip_changes_ = 0;
+  for (auto& shaft : track_.nodes()) shaft.changes = 0;
+  if (tip_ == TipContact::open) return;
+  if (parameters_.cutting.law == CuttingLaw::lagged) remaining_ = pending_;
+  if (parameters_.cutting.law == CuttingLaw::increment && step.speed() > 0) {
+    const double limit = membrane_edge_ ? tissue_.puncture_force : threshold(mesh);
+    if (last_tip_force_ >= limit) {
+      if (membrane_edge_) {
+        punctured_.insert(*membrane_edge_);
+        membrane_edge_.reset();
+        ++counts_.punctures;
+      }
+      remaining_ = parameters_.cutting.increment;
+    }
+  }
+  pending_ = 0;
+  if (membrane_edge_) remaining_ = 0;
+}
+
+// The largest b from base_: hand-over, or the membrane (then pending_membrane_edge_ is set).
+double Needle::cap() {
+  pending_membrane_edge_.reset();
+  double limit = std::max(base_->hand_over, b_);
+  if (!tissue_.membrane.empty()) {
+    const auto crossing =
+        first_crossing(tissue_.membrane, base_->p, base_->r, base_->distance, punctured_);
+    if (crossing && crossing->distance <= limit) {
+      limit = crossing->distance;
+      pending_membrane_edge_ = crossing->edge;
+    }
+  }
+  return limit;
+}
+
+NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
+  NeedleEdits edits;
+  const int tip = track_.tip();
+  const auto stuck = [&](const std::string& why) {
+    const auto p = mesh.point(tip);
+    return NumericalError("needle '" + parameters_.name + "' cannot advance at (" +
+                          std::to_string(p.x) + ", " + std::to_string(p.y) + ") m: " + why);
+  };
+  if (!base_) {
+    base_ = find_way(mesh, track_, axis_, start);
+    if (!base_) throw stuck("its tip has reached the boundary of the tissue");
+    if (base_->fell_back) ++counts_.fallbacks;
+    b_ = 0;
+    last_gap_.reset();
+  }
+  if (hand_over_wanted_ || track_.size() == 1) {
+    const auto hand_over = plan_hand_over(mesh, track_, *base_, start);
+    if (!hand_over || hand_over->quality < quality_floor) {
+      // Another node comes within reach if the edge ahead is flipped.
+      const int j = base_->j;
+      const int k = base_->k;
+      if (++tip_changes_ > most_changes || mesh.is_locked_edge(j, k)) {
+        throw stuck("neither node of the edge ahead can become its tip (both are held, or an element "
+                    "would become too thin); refine the mesh or move the needle");
+      }
+      edits.flips.push_back({j, k});
+      base_.reset();
+      return edits;
+    }
+    if (track_.size() == 1) {
+      const double jump = 0.5 * base_->distance;
+      remaining_ = std::max(0.0, remaining_ - jump);
+      advanced_ += jump;
+    }
+    hand_over_wanted_ = false;
+    const Contact inherited = track_.nodes().back().contact;
+    track_.push({hand_over->new_tip, true, inherited, track_.nodes().back().slip_sign, 0});
+    ++counts_.hand_overs;
+    base_.reset();
+    b_ = 0;
+    edits.moves = hand_over->moves;
+    return edits;
+  }
+  const double limit = cap();
+  double to = std::max(0.0, b_ + remaining_);
+  remaining_ = 0;
+  if (to >= limit) {
+    if (pending_membrane_edge_) {
+      membrane_edge_ = pending_membrane_edge_;
+      tip_ = TipContact::stick;
+    } else {
+      hand_over_wanted_ = true;
+      remaining_ = to - limit;
+    }
+    to = limit;
+  }
+  if (to != b_) {
+    advanced_ += to - b_;
+    b_ = to;
+    edits.moves.push_back(advanced(*base_, tip, b_));
+  }
+  return edits;
+}
+
+ConstraintSet Needle::constraints(const Mesh& mesh) const {
+  ConstraintSet set;
+  const auto nodes = track_.nodes();
+  const auto friction =
+      parameters_.friction ? friction_lengths(mesh) : std::vector<double>(nodes.size(), 0.0);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto& shaft = nodes[i];
+    if (!shaft.attached) continue;
+    set.dofs.push_back({Axis::across_dof(shaft.node),
+                        axis_.across_position - Axis::across(mesh.point(shaft.node))});
+    if (friction[i] <= 0) continue;
+    if (shaft.contact == Contact::stick) {
+      set.dofs.push_back({Axis::along_dof(shaft.node), Axis::along_sign * step_.speed(), true});
+    } else {
+      const double force = shaft.slip_sign * parameters_.friction->kinetic_force * friction[i];
+      set.forces.push_back({Axis::along_dof(shaft.node), Axis::along_sign * force});
+    }
+  }
+  if (tip_ == TipContact::open) return set;
+  const auto weights = tip_weights(mesh);
+  const double f = threshold(mesh);
+  MeanCondition mean;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (weights[i] == 0) continue;
+    const int dof = Axis::along_dof(nodes[i].node);
+    mean.weights.push_back({dof, Axis::along_sign * weights[i]});
+    if (tip_ == TipContact::cut) set.forces.push_back({dof, Axis::along_sign * f * weights[i]});
+  }
+  if (tip_ == TipContact::stick) {
+    mean.value = step_.to - Axis::along(mesh.point(track_.tip()));
+    mean.rate = step_.speed();
+    set.mean = mean;
+  }
+  return set;
+}
+
+double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
+  const auto weights = tip_weights(mesh);
+  double mean_u = 0;
+  double mean_v = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const auto& node = trial.at(track_.nodes()[i].node);
+    mean_u += weights[i] * Axis::along(node.u);
+    mean_v += weights[i] * Axis::along(node.v);
+  }
+  const double gap = step_.to - Axis::along(mesh.point(track_.tip())) - mean_u;
+  return velocity_level_ ? gap + step_.h * (step_.speed() - mean_v) : gap;
+}
+
+bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
+  if (parameters_.friction && !review_friction(mesh, trial)) return false;
+  return review_tip(mesh, trial, lambda);
+}
+
+bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
+  const auto lengths = friction_lengths(mesh);
+  bool accepted = true;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    auto& shaft = track_.nodes()[i];
+    if (!shaft.attached || lengths[i] <= 0) continue;
+    const auto& node = trial.at(shaft.node);
+    bool change = false;
+    if (shaft.contact == Contact::stick) {
+      const double force = Axis::along(node.reaction);
+      const double limit = parameters_.friction->static_force * lengths[i];
+      change = std::abs(force) > limit * (1 + force_slack);
+      if (change && shaft.changes < most_changes) {
+        shaft.contact = Contact::slip;
+        shaft.slip_sign = force > 0 ? 1 : -1;
+      }
+    } else {
+      // A sign that contradicts the new velocity turns into stick (model.md, section 6).
+      const double relative = step_.speed() - Axis::along(node.v);
+      const double noise = 1e-9 * parameters_.friction->stick_speed;
+      change = shaft.slip_sign * relative < -noise;
+      if (change && shaft.changes < most_changes) shaft.contact = Contact::stick;
+    }
+    if (!change) continue;
+    if (shaft.changes < most_changes) {
+      accepted = false;
+    } else if (shaft.changes == most_changes) {
+      ++counts_.frozen_contacts;
+    }
+    ++shaft.changes;
+  }
+  return accepted;
+}
+
+bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda) {
+  const double tolerance =
+      gap_tolerance * std::max(std::abs(step_.to - step_.from), 1e-9);
+  switch (tip_) {
+    case TipContact::stick: {
+      const double f = threshold(mesh);
+      const double limit = membrane_edge_ ? tissue_.puncture_force : f;
+      if (lambda < -force_slack * f) {
+        tip_ = TipContact::open;
+        return tip_changed();
+      }
+      if (parameters_.cutting.law == CuttingLaw::increment) return true;
+      if (lambda <= limit * (1 + force_slack)) return true;
+      if (membrane_edge_) {
+        punctured_.insert(*membrane_edge_);
+        membrane_edge_.reset();
+        ++counts_.punctures;
+        base_.reset();
+        b_ = 0;
+      }
+      tip_ = TipContact::cut;
+      return false;
+    }
+    case TipContact::cut: {
+      const double g = gap(mesh, trial);
+      if (parameters_.cutting.law == CuttingLaw::consistent) {
+        if (std::abs(g) <= tolerance) return true;
+        return cut_further(g);
+      }
+      if (g >= -tolerance) return true;
+      tip_ = TipContact::stick;
+      return tip_changed();
+    }
+    case TipContact::open: break;
+  }
+  if (gap(mesh, trial) <= tolerance) return true;
+  tip_ = TipContact::stick;
+  exposed_ = 0;
+  for (auto& shaft : track_.nodes()) {
+    if (shaft.attached) continue;
+    shaft.attached = true;
+    shaft.contact = Contact::stick;
+  }
+  return tip_changed();
+}
+
+// One more change of the tip's contact; true where the bound is reached and the step stays as it is.
+bool Needle::tip_changed() {
+  if (++tip_changes_ <= most_changes) return false;
+  ++counts_.frozen_contacts;
+  return true;
+}
+
+// Secant on the advance: the gap falls by about as much as the tip advances.
+bool Needle::cut_further(double g) {
+  double slope = -1;
+  if (last_gap_ && last_gap_->first != b_) {
+    const double secant = (g - last_gap_->second) / (b_ - last_gap_->first);
+    constexpr double shallowest = -0.3;
+    constexpr double steepest = -3;
+    if (secant < shallowest && secant > steepest) slope = secant;
+  }
+  last_gap_ = {b_, g};
+  const double change = -g / slope;
+  if (b_ + change <= 0) {
+    // Less than nothing to cut: the tip sticks.
+    remaining_ = -b_;
+    tip_ = TipContact::stick;
+    return tip_changed();
+  }
+  remaining_ = change;
+  return false;
+}
+
+NeedleStepReport Needle::commit(const Mesh& mesh, const TrialView& trial, double lambda) {
+  NeedleStepReport report;
+  const double v = step_.speed();
+  const double h = step_.h;
+  if (tip_ == TipContact::stick) report.forces.tip = lambda;
+  if (tip_ == TipContact::cut) report.forces.tip = threshold(mesh);
+  last_tip_force_ = report.forces.tip;
+  report.cutting_work = report.forces.tip * advanced_;
+  if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
+    const bool level = velocity_level_;
+    velocity_level_ = false;  // the positions as they are
+    pending_ = std::max(0.0, gap(mesh, trial));
+    velocity_level_ = level;
+  }
+  if (parameters_.friction) {
+    const auto lengths = friction_lengths(mesh);
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+      auto& shaft = track_.nodes()[i];
+      report.contact_changes += shaft.changes;
+      if (!shaft.attached || lengths[i] <= 0) continue;
+      const auto& node = trial.at(shaft.node);
+      const double relative = v - Axis::along(node.v);
+      const bool sticks = shaft.contact == Contact::stick;
+      const double force = sticks ? Axis::along(node.reaction)
+                                  : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
+      report.forces.friction += force;
+      report.friction_work += sticks ? 0 : force * relative * h;
+      ++(sticks ? report.n_stick : report.n_slip);
+      if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
+        shaft.contact = Contact::stick;
+      }
+    }
+  }
+  report.needle_work = report.forces.total() * v * h;
+
+  // A tip that let go leaves the nodes that it has passed (paper, sec. V.E), and takes them again on
+  // its way back in.
+  if (tip_ == TipContact::open) {
+    const auto s = track_.distances(mesh);
+    const auto world = [&](std::size_t i) {
+      const int node = track_.nodes()[i].node;
+      return Axis::along(displaced(mesh.point(node), trial.at(node).u));
+    };
+    exposed_ = s.front();
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      auto& shaft = track_.nodes()[i];
+      const bool behind = world(i) <= step_.to;
+      if (behind && !shaft.attached && parameters_.friction) {
+        const double relative = v - Axis::along(trial.at(shaft.node).v);
+        shaft.contact = std::abs(relative) > parameters_.friction->slip_speed ? Contact::slip
+                                                                              : Contact::stick;
+        shaft.slip_sign = relative > 0 ? 1 : -1;
+      }
+      shaft.attached = behind;
+      if (!behind) continue;
+      exposed_ = s[i];
+      if (i + 1 == s.size()) continue;
+      const double gap_to_next = world(i + 1) - world(i);
+      if (gap_to_next > 0) {
+        const double covered = std::clamp((step_.to - world(i)) / gap_to_next, 0.0, 1.0);
+        exposed_ = s[i] - covered * (s[i] - s[i + 1]);
+      }
+    }
+    if (released()) phase_ = NeedlePhase::withdrawn;
+  }
+  motion_.commit(step_);
+  return report;
+}
+
+ReferencePoint Needle::tip_point(const Mesh& mesh) const {
+  const auto s = track_.distances(mesh);
+  for (std::size_t i = 0; i + 1 < s.size(); ++i) {
+    if (exposed_ > s[i] || exposed_ < s[i + 1] || s[i] == s[i + 1]) continue;
+    const auto a = mesh.point(track_.nodes()[i].node);
+    const auto b = mesh.point(track_.nodes()[i + 1].node);
+    return a + ((s[i] - exposed_) / (s[i] - s[i + 1])) * (b - a);
+  }
+  return mesh.point(track_.tip());
+}
+
+bool Needle::released() const {
+  return std::ranges::none_of(track_.nodes(), &ShaftNode::attached);
+}
+
+}  // namespace stylet

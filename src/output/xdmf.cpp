@@ -1,0 +1,94 @@
+#include "stylet/output/xdmf.hpp"
+
+#include "stylet/output/history.hpp"
+
+namespace stylet {
+
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '>': result += "&gt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += c;
+    }
+  }
+  return result;
+}
+
+std::string time_element(double time) {
+  std::string value;
+  append_number(value, time);
+  return "<Time Value=\"" + value + "\"/>\n";
+}
+
+/// The node numbers 0, 1, ... of a polyline, back to 0 if it is closed.
+std::string polyline_topology(long long n_points, bool closed) {
+  const std::string n = std::to_string(n_points + (closed ? 1 : 0));
+  std::string text = "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"" +
+                     n + "\"><DataItem Dimensions=\"1 " + n +
+                     "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">";
+  for (long long i = 0; i < n_points; ++i) text += std::to_string(i) + ' ';
+  return text + (closed ? "0" : "") + "</DataItem></Topology>\n";
+}
+
+}  // namespace
+
+std::string XdmfSeries::data_item(const StoredArray& array) const {
+  std::string extent = std::to_string(array.n_rows);
+  if (array.n_columns > 1) extent += ' ' + std::to_string(array.n_columns);
+  const char* type = array.integer ? "NumberType=\"Int\" Precision=\"4\""
+                                   : "NumberType=\"Float\" Precision=\"8\"";
+  return "<DataItem Dimensions=\"" + extent + "\" " + type + " Format=\"HDF\">" +
+         escaped(h5_name_) + ":" + array.path + "</DataItem>";
+}
+
+void XdmfSeries::append_grid(const XdmfGrid& grid, const std::string& time) {
+  steps_ += "<Grid Name=\"" + escaped(grid.name) + "\" GridType=\"Uniform\">\n" + time;
+  const std::string n_points = std::to_string(grid.points.n_rows);
+  switch (grid.shape) {
+    case XdmfGrid::Shape::triangles:
+      steps_ += "<Topology TopologyType=\"Triangle\" NumberOfElements=\"" +
+                std::to_string(grid.connectivity.n_rows) + "\">" + data_item(grid.connectivity) +
+                "</Topology>\n";
+      break;
+    case XdmfGrid::Shape::polyline:
+    case XdmfGrid::Shape::closed_polyline:
+      steps_ += polyline_topology(grid.points.n_rows,
+                                  grid.shape == XdmfGrid::Shape::closed_polyline);
+      break;
+    case XdmfGrid::Shape::points:
+      steps_ += "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + n_points +
+                "\" NodesPerElement=\"1\"/>\n";
+      break;
+  }
+  steps_ += "<Geometry GeometryType=\"XY\">" + data_item(grid.points) + "</Geometry>\n";
+  for (const XdmfAttribute& attribute : grid.attributes) {
+    steps_ += "<Attribute Name=\"" + escaped(attribute.name) + "\" AttributeType=\"" +
+              (attribute.values.n_columns == 3 ? "Vector" : "Scalar") + "\" Center=\"" +
+              (attribute.on_cells ? "Cell" : "Node") + "\">" + data_item(attribute.values) +
+              "</Attribute>\n";
+  }
+  steps_ += "</Grid>\n";
+}
+
+void XdmfSeries::add(double time, const XdmfGrid& grid) { append_grid(grid, time_element(time)); }
+
+void XdmfSeries::add(double time, const std::vector<XdmfGrid>& grids) {
+  steps_ += "<Grid Name=\"parts\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" +
+            time_element(time);
+  for (const XdmfGrid& grid : grids) append_grid(grid, "");
+  steps_ += "</Grid>\n";
+}
+
+std::string XdmfSeries::text() const {
+  return "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+         "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n" +
+         steps_ + "</Grid>\n</Domain>\n</Xdmf>\n";
+}
+
+}  // namespace stylet

@@ -1,0 +1,45 @@
+#include "stylet/petsc/check.hpp"
+
+#include "stylet/base/errors.hpp"
+
+#include <mpi.h>
+
+#include <string>
+
+namespace stylet {
+
+namespace {
+std::exception_ptr& pending() {
+  static std::exception_ptr exception;
+  return exception;
+}
+}  // namespace
+
+void store_exception(std::exception_ptr exception) {
+  if (!pending()) pending() = std::move(exception);
+}
+
+void check(PetscErrorCode code, const char* file, int line) {
+  if (code == 0) return;
+  if (pending()) std::rethrow_exception(std::exchange(pending(), nullptr));
+  const char* text = nullptr;
+  char* specific = nullptr;
+  (void)PetscErrorMessage(code, &text, &specific);
+  std::string message = "PETSc: ";
+  message += text != nullptr ? text : "error " + std::to_string(code);
+  if (specific != nullptr && *specific != '\0') message += std::string(": ") + specific;
+  message += std::string(" (") + file + ":" + std::to_string(line) + ")";
+  throw Error(ExitCode::other, message);
+}
+
+void check_mpi(int code, const char* file, int line) {
+  if (code == MPI_SUCCESS) return;
+  char text[MPI_MAX_ERROR_STRING];
+  int length = 0;
+  MPI_Error_string(code, text, &length);
+  throw Error(ExitCode::other,
+              "MPI: " + std::string(text, static_cast<std::size_t>(length)) + " (" + file + ":" +
+                  std::to_string(line) + ")");
+}
+
+}  // namespace stylet

@@ -1,0 +1,214 @@
+#include "stylet/scene/check.hpp"
+
+#include "stylet/base/text.hpp"
+#include "stylet/scene/schema.hpp"
+#include "stylet/scene/writer.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace stylet {
+
+namespace {
+
+std::string item(const std::string& list, std::size_t i) {
+  return list + "." + std::to_string(i);
+}
+
+template <class T>
+std::vector<std::string> names_of(const std::vector<T>& items, std::string T::*name) {
+  std::vector<std::string> names;
+  std::ranges::transform(items, std::back_inserter(names), name);
+  return names;
+}
+
+class Rules {
+ public:
+  Rules(const Scene& scene, const Node& document) : scene_(scene), document_(document) {}
+
+  void check() const {
+    check_mesh();
+    check_tissue();
+    check_loads();
+    for (std::size_t i = 0; i < scene_.needles.size(); ++i) {
+      check_cutting(scene_.needles[i].cutting, item("needles", i) + ".cutting");
+      check_friction(scene_.needles[i].friction, item("needles", i) + ".friction");
+      check_motion(scene_.needles[i].motion, item("needles", i) + ".motion");
+    }
+    check_names();
+    check_time();
+    check_expect();
+  }
+
+ private:
+  void require(bool kept, const std::string& path, const std::string& allowed) const {
+    if (kept) return;
+    const Node& node = closest(document_, path);
+    if (node.path == path) refuse(node, allowed);
+    refuse_missing(node, path, allowed);
+  }
+
+  void require_corners(const std::vector<ReferencePoint>& points,
+                       std::size_t least,
+                       const std::string& path) const {
+    require(points.size() >= least, path, "at least " + std::to_string(least) + " points");
+  }
+
+  void check_mesh() const {
+    const auto* rectangle = std::get_if<RectangleMesh>(&scene_.mesh.source);
+    if (!rectangle) return;
+    require(scene_.mesh.scale == 1, "mesh.scale", "only with mesh.file");
+    for (std::size_t i = 0; i < rectangle->inner_regions.size(); ++i) {
+      const auto& outline = rectangle->inner_regions[i].outline;
+      const auto* polygon = std::get_if<std::vector<ReferencePoint>>(&outline);
+      const std::string path = item("mesh.rectangle.inner_regions", i);
+      if (polygon) require_corners(*polygon, 3, path + ".polygon");
+    }
+    for (std::size_t i = 0; i < rectangle->curves.size(); ++i) {
+      const std::string path = item("mesh.rectangle.curves", i);
+      require_corners(rectangle->curves[i].points, 2, path + ".points");
+      const std::set<std::string> sides = {"left", "right", "bottom", "top"};
+      require(!sides.contains(rectangle->curves[i].name), path + ".name",
+              "a name that is not a side of the rectangle");
+    }
+  }
+
+  void check_tissue() const {
+    require(!scene_.tissue.regions.empty(), "tissue.regions", "at least one region");
+    const TimeMethod method = scene_.time.method;
+    for (const RegionTissue& region : scene_.tissue.regions) {
+      require(region.material.density > 0 || method == TimeMethod::quasi_static,
+              "tissue.regions." + region.region + ".density",
+              "> 0 kg/m^3 unless time.method is quasi_static");
+    }
+    require(method != TimeMethod::explicit_newmark || scene_.tissue.mass == MassKind::lumped,
+            "tissue.mass", "lumped, because time.method is explicit");
+    if (!scene_.membrane || !scene_.membrane->region.empty()) return;
+    require_corners(scene_.membrane->polygon, 3, "membrane.polygon");
+  }
+
+  void check_loads() const {
+    for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
+      const auto& displacement = scene_.prescribed[i].displacement;
+      require(displacement[0] || displacement[1], item("prescribed", i) + ".displacement",
+              "at least one component that is not null");
+    }
+  }
+
+  void check_cutting(const CuttingParameters& cutting, const std::string& path) const {
+    const bool is_explicit = scene_.time.method == TimeMethod::explicit_newmark;
+    require(!is_explicit || cutting.law != CuttingLaw::consistent, path + ".law",
+            "lagged, increment, because time.method is explicit");
+    require(cutting.law != CuttingLaw::increment || cutting.increment > 0, path + ".increment",
+            "a length > 0 m, because the law is increment");
+    require(cutting.stiffness_share == 0 || cutting.reference_youngs_modulus > 0,
+            path + ".reference_youngs_modulus",
+            "a stiffness > 0 Pa, because stiffness_share is not 0");
+  }
+
+  void check_friction(const std::optional<FrictionParameters>& friction,
+                      const std::string& path) const {
+    if (!friction) return;
+    require(friction->static_force >= friction->kinetic_force, path + ".static_force",
+            ">= kinetic_force, which is " + exact(friction->kinetic_force) + " N/m");
+    require(friction->slip_speed > friction->stick_speed, path + ".slip_speed",
+            "> stick_speed, which is " + exact(friction->stick_speed) + " m/s");
+  }
+
+  void check_motion(const std::vector<Action>& motion, const std::string& path) const {
+    require(!motion.empty(), path, "at least one action");
+    require(motion.front().kind == ActionKind::insert, item(path, 0), "insert comes first");
+    const auto targets = names_of(scene_.targets, &Target::name);
+    bool is_out = false;
+    for (std::size_t i = 0; i < motion.size(); ++i) {
+      const Action& action = motion[i];
+      if (action.kind == ActionKind::insert) is_out = false;
+      if (action.kind == ActionKind::implant) {
+        require(!is_out, item(path, i), "no implant once the needle is all the way out");
+        require(std::ranges::find(targets, action.target) != targets.end(),
+                item(path, i) + ".implant.target",
+                targets.empty() ? "a name in targets, which is empty" : join(targets));
+      }
+      if (action.kind == ActionKind::retract) {
+        require(!is_out, item(path, i), "no retract once the needle is all the way out");
+        is_out = !action.depth && !action.position;
+      }
+    }
+  }
+
+  void require_unique(const std::vector<std::string>& names,
+                      const std::string& list,
+                      bool is_list) const {
+    std::set<std::string> seen;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const std::string path = is_list ? item(list, i) + ".name" : list + "." + names[i];
+      require(seen.insert(names[i]).second, path, "a name that is not taken");
+    }
+  }
+
+  void check_names() const {
+    require_unique(names_of(scene_.needles, &NeedleParameters::name), "needles", true);
+    require_unique(names_of(scene_.tissue.regions, &RegionTissue::region), "tissue.regions", false);
+    require_unique(names_of(scene_.supports, &Support::curve), "supports", false);
+    require_unique(names_of(scene_.targets, &Target::name), "targets", false);
+    require_unique(names_of(scene_.probes, &Probe::name), "probes", false);
+    if (const auto* rectangle = std::get_if<RectangleMesh>(&scene_.mesh.source)) {
+      const std::string path = "mesh.rectangle.";
+      const auto regions = names_of(rectangle->inner_regions, &InnerRegion::name);
+      require_unique(regions, path + "inner_regions", true);
+      require_unique(names_of(rectangle->curves, &InnerCurve::name), path + "curves", true);
+    }
+  }
+
+  void check_time() const {
+    const TimeParameters& time = scene_.time;
+    if (scene_.needles.empty()) {
+      require(time.duration > 0, "time.duration", "> 0 s in a scene without needles");
+    } else {
+      require(time.duration == 0, "time.duration",
+              "only in a scene without needles; the motion of a needle sets its own end");
+    }
+    if (!time.until_implanted) return;
+    bool any_implant = false;
+    for (const NeedleParameters& needle : scene_.needles) {
+      bool retracted = false;
+      for (const Action& action : needle.motion) {
+        if (action.kind == ActionKind::retract) retracted = true;
+        if (action.kind != ActionKind::implant) continue;
+        any_implant = true;
+        require(!retracted, "time.until",
+                "settled, because " + needle.name +
+                    " implants after a retract and stopping early would not be exact");
+      }
+    }
+    require(any_implant, "time.until", "settled, because no needle implants");
+  }
+
+  void check_expect() const {
+    for (std::size_t i = 0; i < scene_.expect.size(); ++i) {
+      const Expectation& expect = scene_.expect[i];
+      const std::string path = item("expect", i);
+      const Expectation open;
+      require(expect.min != open.min || expect.max != open.max, path, "a min or a max, or both");
+      require(expect.min <= expect.max, path + ".max", ">= min, which is " + exact(expect.min));
+    }
+  }
+
+  const Scene& scene_;
+  const Node& document_;
+};
+
+}  // namespace
+
+void check_rules(const Scene& scene, const Node& document) {
+  Rules(scene, document).check();
+}
+
+void check(const Scene& scene) {
+  const Node document = to_document(scene);
+  Scene copy;
+  scene_codec().read(document, copy);
+  check_rules(scene, document);
+}
+
+}  // namespace stylet

@@ -1,0 +1,169 @@
+#include "stylet/scene/codec.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/base/units.hpp"
+#include "stylet/scene/block.hpp"
+
+#include <charconv>
+#include <cmath>
+
+namespace stylet {
+
+namespace {
+
+std::string with_unit(double value, const std::string& unit) {
+  return exact(value) + (unit.empty() ? "" : " " + unit);
+}
+
+std::string range_text(const Range& range, const std::string& unit) {
+  std::string text;
+  if (std::isfinite(range.min)) {
+    text = (range.min_open ? "> " : ">= ") + with_unit(range.min, unit);
+  }
+  if (std::isfinite(range.max)) {
+    text += text.empty() ? "" : " and ";
+    text += (range.max_open ? "< " : "<= ") + with_unit(range.max, unit);
+  }
+  return text + (range.note.empty() ? "" : " (" + range.note + ")");
+}
+
+bool in_range(double value, const Range& range) {
+  return (range.min_open ? value > range.min : value >= range.min) &&
+         (range.max_open ? value < range.max : value <= range.max);
+}
+
+double read_number(const Node& node, const Key& key, const Range& range) {
+  double value = 0;
+  if (node.kind != Node::Kind::scalar) refuse(node, offer(key));
+  if (key.unit.empty()) {
+    const auto number = plain_number(node.text);
+    if (!number) refuse(node, offer(key));
+    value = *number;
+  } else {
+    try {
+      value = to_si(node.text, key.unit);
+    } catch (const InputError& error) {
+      const std::string quoted = "'" + node.text + "' ";  // the message repeats the value
+      refuse(node, offer(key), std::string(error.what()).substr(quoted.size()));
+    }
+  }
+  if (!in_range(value, range)) refuse(node, offer(key));
+  return value;
+}
+
+}  // namespace
+
+std::string offer(const Key& key) {
+  if (key.type == "choice" || key.type == "flag" || key.type == "text") return key.allowed;
+  std::string text = "a " + key.type;
+  if (key.form == Key::Form::value && key.type != "integer") {
+    text +=
+        key.unit.empty() ? " without a unit" : " with a unit, such as " + customary_unit(key.unit);
+  }
+  return text + (key.allowed.empty() ? "" : ", " + key.allowed);
+}
+
+Codec<double> number(const std::string& si_unit, const Range& range) {
+  const Key key{.type = "number", .unit = si_unit, .allowed = range_text(range, si_unit)};
+  return {key, [=](const Node& node, double& value) { value = read_number(node, key, range); },
+          [=](const double& value) { return Node::scalar(with_unit(value, si_unit)); }};
+}
+
+Codec<double> plain(const Range& range) {
+  return number({}, range);
+}
+
+Codec<double> number_in_any_unit() {
+  const Key key{.type = "number", .allowed = "in SI or with any unit"};
+  const auto read = [key](const Node& node, double& value) {
+    if (node.kind != Node::Kind::scalar) refuse(node, "a number " + key.allowed);
+    if (const auto number = plain_number(node.text)) {
+      value = *number;
+      return;
+    }
+    for (const char* unit : {"m", "N", "s", "m/s", "Pa", "J", "N/m", "1/s"}) {
+      try {
+        value = to_si(node.text, unit);
+        return;
+      } catch (const InputError&) {
+        continue;  // another dimension; the next one may fit
+      }
+    }
+    refuse(node, "a number, plain or in units of m, N, s, m/s, Pa, J, N/m or 1/s");
+  };
+  return {key, read, [](const double& value) { return Node::scalar(exact(value)); }};
+}
+
+Codec<int> integer(int min) {
+  const Key key{.type = "integer", .allowed = ">= " + std::to_string(min)};
+  const auto read = [=](const Node& node, int& value) {
+    const char* last = node.text.data() + node.text.size();
+    int number = 0;
+    const auto [end, error] = std::from_chars(node.text.data(), last, number);
+    const bool whole = node.kind == Node::Kind::scalar && error == std::errc() && end == last;
+    if (!whole || number < min) refuse(node, "a whole number " + key.allowed);
+    value = number;
+  };
+  return {key, read, [](const int& value) { return Node::scalar(std::to_string(value)); }};
+}
+
+Codec<bool> flag() {
+  Codec<bool> codec = choice<bool>({{"true", true}, {"false", false}});
+  codec.key.type = "flag";
+  return codec;
+}
+
+Codec<std::string> text(const std::string& what) {
+  const auto read = [what](const Node& node, std::string& value) {
+    if (node.kind != Node::Kind::scalar || node.text.empty()) refuse(node, what);
+    value = node.text;
+  };
+  return {Key{.type = "text", .allowed = what}, read,
+          [](const std::string& value) { return Node::scalar(value); }};
+}
+
+Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& range) {
+  const Codec<double> item = number(si_unit, range);
+  Key key = item.key;
+  key.type = "pair";
+  const auto read = [=](const Node& node, std::pair<double, double>& value) {
+    if (node.kind != Node::Kind::list || node.children.size() != 2) {
+      refuse(node, "[x, y], each " + offer(item.key));
+    }
+    item.read(node.children[0], value.first);
+    item.read(node.children[1], value.second);
+  };
+  const auto write = [=](const std::pair<double, double>& value) {
+    Node node = Node::list();
+    node.add(item.write(value.first));
+    node.add(item.write(value.second));
+    return node;
+  };
+  return {key, read, write};
+}
+
+Codec<std::array<std::optional<double>, 2>> components(const std::string& si_unit) {
+  using Components = std::array<std::optional<double>, 2>;
+  const Codec<double> item = number(si_unit, anything);
+  const Key key{.type = "pair", .unit = si_unit, .allowed = "null leaves a component free"};
+  const auto read = [=](const Node& node, Components& value) {
+    if (node.kind != Node::Kind::list || node.children.size() != 2) {
+      refuse(node, "[x, y], each null or " + offer(item.key));
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      value[i].reset();
+      if (node.children[i].kind != Node::Kind::null) {
+        item.read(node.children[i], value[i].emplace());
+      }
+    }
+  };
+  const auto write = [=](const Components& value) {
+    Node node = Node::list();
+    for (const auto& component : value) node.add(component ? item.write(*component) : Node());
+    return node;
+  };
+  return {key, read, write};
+}
+
+}  // namespace stylet

@@ -1,0 +1,216 @@
+#include "stylet/scene/schema.hpp"
+
+#include "stylet/scene/block.hpp"
+#include "stylet/scene/schema_needle.hpp"
+
+namespace stylet {
+
+namespace {
+
+// Mesh
+
+Codec<Ellipse> ellipse() {
+  return block<Ellipse>(
+      {field("centre", &Ellipse::centre, point<ReferencePoint>("m"), "Centre.").required(),
+       field("size", &Ellipse::width, &Ellipse::height, pair("m", positive),
+             "Full width and height.")
+           .required()});
+}
+
+Codec<std::vector<ReferencePoint>> polyline() {
+  return list(point<ReferencePoint>("m"));
+}
+
+Codec<RectangleMesh> rectangle() {
+  using R = RectangleMesh;
+  const auto inner_region = block<InnerRegion>(
+      {field("name", &InnerRegion::name, text("a name"), "Name of the region.").required(),
+       alternative("ellipse", &InnerRegion::outline, ellipse(), "Outline as an ellipse."),
+       alternative("polygon", &InnerRegion::outline, polyline(), "Outline by its corners.")},
+      {{"ellipse", "polygon"}});
+  const auto curve = block<InnerCurve>(
+      {field("name", &InnerCurve::name, text("a name"), "Name of the curve.").required(),
+       field("points", &InnerCurve::points, polyline(), "Its corners, along grid lines.")
+           .required()});
+  const Range below_overlap{.min = 0, .max = 0.3, .max_open = true};
+  const Choices<Diagonals> diagonals = {{"one_way", Diagonals::one_way},
+                                        {"alternating", Diagonals::alternating}};
+  return block<R>(
+      {field("origin", &R::origin, point<ReferencePoint>("m"), "Lower left corner."),
+       field("size", &R::width, &R::height, pair("m", positive), "Width and height.").required(),
+       field("columns", &R::columns, integer(1), "Squares across the width.").required(),
+       field("rows", &R::rows, integer(1), "Squares across the height.").required(),
+       field("diagonals", &R::diagonals, choice(diagonals), "How squares are cut into triangles."),
+       field("jitter", &R::jitter, plain(below_overlap),
+             "Random shift of inner nodes as a fraction of the spacing."),
+       field("seed", &R::seed, integer(0), "Seed of the random shift."),
+       field("region", &R::region, text("a name"), "Region outside the inner regions."),
+       field("inner_regions", &R::inner_regions, list(inner_region),
+             "Regions whose outline the triangles follow."),
+       field("curves", &R::curves, list(curve),
+             "Named lines besides left, right, bottom and top.")});
+}
+
+Codec<MeshParameters> mesh() {
+  using M = MeshParameters;
+  return block<M>(
+      {alternative("file", &M::source, text("a file name"),
+                   "Gmsh file, relative to the folder of the scene."),
+       alternative("rectangle", &M::source, rectangle(), "A structured mesh."),
+       field("scale", &M::scale, plain(positive),
+             "Multiplies the coordinates of a file: 0.001 for millimetres."),
+       field("refine", &M::refine, integer(0), "Times that every triangle is split in four.")},
+      {{"file", "rectangle"}});
+}
+
+// Tissue and what acts on it
+
+Codec<LinearElastic> elastic() {
+  using E = LinearElastic;
+  const Range compressible{
+      .min = 0, .max = 0.5, .max_open = true, .note = "0.5 is incompressible: take 0.4999"};
+  return block<E>(
+      {field("youngs_modulus", &E::youngs_modulus, number("Pa", positive), "Young's modulus.")
+           .required(),
+       field("poisson_ratio", &E::poisson_ratio, plain(compressible), "Poisson's ratio.")
+           .required(),
+       field("density", &E::density, number("kg/m^3", not_negative),
+             "Mass per volume; 0 only if quasi_static.")
+           .required()});
+}
+
+Codec<TissueParameters> tissue() {
+  using T = TissueParameters;
+  const Choices<Plane> planes = {{"stress", Plane::stress}, {"strain", Plane::strain}};
+  const Choices<MassKind> masses = {{"consistent", MassKind::consistent},
+                                    {"lumped", MassKind::lumped}};
+  const auto damping =
+      block<RayleighDamping>({field("mass_factor", &RayleighDamping::mass_factor,
+                                    number("1/s", not_negative), "Times the mass matrix."),
+                              field("stiffness_factor", &RayleighDamping::stiffness_factor,
+                                    number("s", not_negative), "Times the stiffness matrix.")});
+  return block<T>(
+      {field("plane", &T::plane, choice(planes), "Plane stress or plane strain.").required(),
+       field("thickness", &T::thickness, number("m", positive), "Extent out of plane."),
+       field("formulation", &T::formulation, choice<Formulation>({{"p1", Formulation::p1}}),
+             "Kind of triangle."),
+       field("mass", &T::mass, choice(masses), "Mass matrix.")
+           .otherwise("lumped if time.method is explicit, else consistent"),
+       field("regions", &T::regions,
+             named("REGION", &RegionTissue::region, wrap(&RegionTissue::material, elastic())),
+             "Material of every region of the mesh.")
+           .required(),
+       field("damping", &T::damping, damping, "Rayleigh damping; without it there is none.")});
+}
+
+std::vector<Field<Scene>> loads() {
+  const auto body = block<BodyForce>(
+      {field("force", &BodyForce::force, point<Vector2>("N/m^3"), "Force per volume.").required(),
+       field("start", &BodyForce::start, number("s", not_negative), "Acts from then on.")});
+  const auto traction = block<Traction>(
+      {field("curve", &Traction::curve, text("a curve"), "Where it acts.").required(),
+       field("force", &Traction::force, point<Vector2>("N/m"), "Force per metre of curve.")
+           .required(),
+       field("start", &Traction::start, number("s", not_negative), "Acts from then on.")});
+  return {field("body", &Scene::body_forces, list(body), "Forces on the volume."),
+          field("traction", &Scene::tractions, list(traction), "Forces on named curves.")};
+}
+
+Codec<PrescribedCurve> prescribed() {
+  using P = PrescribedCurve;
+  return block<P>({field("curve", &P::curve, text("a curve"), "What is moved.").required(),
+                   field("displacement", &P::displacement, components("m"),
+                         "[x, y]; a component that is null stays free.")
+                       .required(),
+                   field("start", &P::start, number("s", not_negative), "When it begins."),
+                   field("ramp", &P::ramp, number("s", not_negative),
+                         "Time to grow linearly to the full displacement; 0: at once.")});
+}
+
+// Time and output
+
+Codec<TimeParameters> time() {
+  using T = TimeParameters;
+  const Choices<TimeMethod> methods = {{"implicit", TimeMethod::implicit_newmark},
+                                       {"explicit", TimeMethod::explicit_newmark},
+                                       {"quasi_static", TimeMethod::quasi_static}};
+  const Choices<ImplicitScheme> schemes = {
+      {"average_acceleration", ImplicitScheme::average_acceleration},
+      {"generalised_alpha", ImplicitScheme::generalised_alpha},
+      {"backward_euler", ImplicitScheme::backward_euler}};
+  const Range fraction{.min = 0, .max = 1};
+  const Choices<bool> ends = {{"implanted", true}, {"settled", false}};
+  return block<T>(
+      {field("method", &T::method, choice(methods), "Implicit, explicit or without inertia."),
+       field("scheme", &T::scheme, choice(schemes), "Scheme of the implicit method."),
+       field("rho_infinity", &T::rho_infinity, plain(fraction),
+             "Of generalised_alpha: 1 does not damp, 0 damps most."),
+       field("step", &T::step, number("s", positive),
+             "Length of a step; explicit ones are cut to the stable step."),
+       field("duration", &T::duration, number("s", positive), "End of a scene without needles.")
+           .otherwise("one step if quasi_static")
+           .written_if([](const T& given) { return given.duration != 0; }),
+       field("until", &T::until_implanted, choice(ends),
+             "implanted: end at the last implant, where that gives the same placement."),
+       field("safety", &T::safety, plain({.min = 0, .max = 1, .min_open = true}),
+             "Explicit: step over stable step.")});
+}
+
+Codec<OutputParameters> output() {
+  using O = OutputParameters;
+  return block<O>({field("directory", &O::directory, text("a folder"), "Where results go."),
+                   field("history", &O::history, flag(), "One line a step in history.csv."),
+                   field("snapshots", &O::snapshots, number("s", positive),
+                         "Time between whole fields in snapshots.h5; without it there are none.")});
+}
+
+Codec<Expectation> expectation() {
+  using E = Expectation;
+  return block<E>(
+      {field("quantity", &E::quantity, text("a path in summary.json"), "A number of summary.json.")
+           .required(),
+       field("min", &E::min, number_in_any_unit(), "Smallest value that passes.")
+           .otherwise("none")
+           .written_if([](const E& given) { return given.min != E{}.min; }),
+       field("max", &E::max, number_in_any_unit(), "Largest value that passes.")
+           .otherwise("none")
+           .written_if([](const E& given) { return given.max != E{}.max; })});
+}
+
+Codec<SupportKind> support() {
+  return choice<SupportKind>({{"fixed", SupportKind::fixed},
+                              {"roller", SupportKind::roller},
+                              {"free", SupportKind::free}});
+}
+
+Codec<Scene> scene() {
+  using S = Scene;
+  const auto in_tissue = point<ReferencePoint>("m");
+  return block<S>(
+      {field("mesh", &S::mesh, mesh(), "Where the triangles come from.").required(),
+       field("tissue", &S::tissue, tissue(), "What the tissue is made of.").required(),
+       field("supports", &S::supports,
+             named("CURVE", &Support::curve, wrap(&Support::kind, support())),
+             "How named boundaries are held; the others are free."),
+       group("loads", loads(), "Forces on the tissue."),
+       field("prescribed", &S::prescribed, list(prescribed()), "Named curves that are moved."),
+       field("needles", &S::needles, list(needle_codec()), "One after the other."),
+       field("membrane", &S::membrane, membrane_codec(), "A capsule that has to be punctured."),
+       field("targets", &S::targets,
+             named("TARGET", &Target::name, wrap(&Target::point, in_tissue)),
+             "Where seeds should be."),
+       field("probes", &S::probes, named("PROBE", &Probe::name, wrap(&Probe::point, in_tissue)),
+             "Points whose displacement is recorded."),
+       field("time", &S::time, time(), "How time is stepped."),
+       field("output", &S::output, output(), "What is written."),
+       field("expect", &S::expect, list(expectation()), "Makes the scene a test.")});
+}
+
+}  // namespace
+
+const Codec<Scene>& scene_codec() {
+  static const Codec<Scene> codec = scene();
+  return codec;
+}
+
+}  // namespace stylet

@@ -1,0 +1,145 @@
+#include "stylet/scene/schema_needle.hpp"
+
+#include "stylet/scene/block.hpp"
+
+#include <algorithm>
+
+namespace stylet {
+
+namespace {
+
+Codec<CuttingParameters> cutting() {
+  using C = CuttingParameters;
+  const Choices<CuttingLaw> laws = {{"consistent", CuttingLaw::consistent},
+                                    {"lagged", CuttingLaw::lagged},
+                                    {"increment", CuttingLaw::increment}};
+  const Range share{.min = 0, .max = 1};
+  return block<C>(
+      {field("law", &C::law, choice(laws), "How the advance of the tip follows from its force.")
+           .otherwise("lagged if time.method is explicit, else consistent"),
+       field("cutting_force", &C::cutting_force, number("N", positive),
+             "Tip force at which tissue is cut, for sharpness 1.")
+           .required(),
+       field("sharpness", &C::sharpness, plain({.min = 0, .max = 1, .min_open = true}),
+             "Divides the cutting force; 1 is the sharpest."),
+       field("stiffness_share", &C::stiffness_share, plain(share),
+             "Share of the cutting force that grows with Young's modulus."),
+       field("reference_youngs_modulus", &C::reference_youngs_modulus, number("Pa", not_negative),
+             "Young's modulus at which that share is as given."),
+       field("tip_length", &C::tip_length, number("m", not_negative),
+             "Length over which the tip force is spread; 0: a point, and the answer depends on "
+             "the mesh."),
+       field("increment", &C::increment, number("m", not_negative),
+             "Length of one cut of the increment law.")});
+}
+
+Codec<FrictionParameters> friction() {
+  using F = FrictionParameters;
+  return block<F>({field("static_force", &F::static_force, number("N/m", not_negative),
+                         "Per metre of shaft, largest force that holds.")
+                       .required(),
+                   field("kinetic_force", &F::kinetic_force, number("N/m", not_negative),
+                         "Per metre of shaft, while tissue slides.")
+                       .required(),
+                   field("stick_speed", &F::stick_speed, number("m/s", not_negative),
+                         "Tissue that slides more slowly sticks again.")
+                       .required(),
+                   field("slip_speed", &F::slip_speed, number("m/s", positive),
+                         "Tissue that slides faster is sliding; above stick_speed.")
+                       .required()});
+}
+
+struct ActionEntry {
+  std::string name;
+  ActionKind kind;
+  Codec<Action> codec;
+  std::string doc;
+};
+
+std::vector<ActionEntry> action_entries() {
+  using A = Action;
+  const auto speed =
+      field("speed", &A::speed, number("m/s", positive), "Speed of the needle.").required();
+  const auto depth = field("depth", &A::depth, number("m", not_negative),
+                           "Where the tip stops, behind the entry point.");
+  const auto position = field("position", &A::position, number("m", anything),
+                              "Where the tip stops, as its coordinate along the axis.");
+  const auto duration =
+      field("duration", &A::duration, number("s", positive), "How long it takes.");
+  const auto target = field("target", &A::target, text("a target"), "Where the seed should be.")
+                          .otherwise("the target, if there is only one");
+  const auto tolerance = field("speed_tolerance", &A::speed_tolerance, number("m/s", positive),
+                               "Ends when all tissue is slower.")
+                             .written_if([](const A& action) { return !action.duration; });
+  return {{"insert", ActionKind::insert,
+           block<A>({speed, depth, position}, {{"depth", "position"}}), "Push the needle in."},
+          {"hold", ActionKind::hold, block<A>({duration.required()}), "Keep the needle still."},
+          {"implant", ActionKind::implant, block<A>({target}), "Leave a seed at the tip."},
+          {"retract", ActionKind::retract,
+           block<A>({speed, depth, position}, {{"depth", "position"}, false}),
+           "Pull the needle back, all the way out if no end is given."},
+          {"settle", ActionKind::settle,
+           block<A>({duration, tolerance}, {{"duration", "speed_tolerance"}, false}),
+           "Wait until the tissue is still, or for a time."}};
+}
+
+/// A map with one key, the kind; 'implant' alone is short for 'implant: {}'.
+Codec<Action> action() {
+  const auto entries = action_entries();
+  Key key{.form = Key::Form::action, .type = "action"};
+  for (const ActionEntry& entry : entries) {
+    key.keys.push_back(described(entry.codec.key, entry.name, entry.doc));
+    key.allowed += (key.allowed.empty() ? "" : ", ") + entry.name;
+  }
+  const auto read = [=](const Node& node, Action& value) {
+    const bool bare = node.kind == Node::Kind::scalar;
+    if (!bare && (node.kind != Node::Kind::map || node.children.size() != 1)) {
+      refuse(node, "one of " + key.allowed);
+    }
+    const Node& child = bare ? node : node.children.front();
+    const auto entry = std::ranges::find(entries, bare ? node.text : child.key, &ActionEntry::name);
+    if (entry == entries.end()) refuse(child, "one of " + key.allowed);
+    Node given = child;
+    if (bare || given.kind == Node::Kind::null) given.kind = Node::Kind::map;
+    value.kind = entry->kind;
+    entry->codec.read(given, value);
+  };
+  const auto write = [=](const Action& value) {
+    const auto entry = std::ranges::find(entries, value.kind, &ActionEntry::kind);
+    Node node = Node::map();
+    node.add(entry->codec.write(value), entry->name);
+    return node;
+  };
+  return {key, read, write};
+}
+
+}  // namespace
+
+Codec<NeedleParameters> needle_codec() {
+  using N = NeedleParameters;
+  return block<N>(
+      {field("name", &N::name, text("a name"), "For messages and output.")
+           .otherwise("needle1, needle2, ..."),
+       field("height", &N::height, number("m", anything),
+             "Coordinate of the axis across the needle.")
+           .required(),
+       field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
+       field("friction", &N::friction, friction(),
+             "Friction along the shaft; without it there is none."),
+       field("motion", &N::motion, list(action()), "What the needle does, in order.").required()});
+}
+
+Codec<MembraneParameters> membrane_codec() {
+  using M = MembraneParameters;
+  return block<M>({field("region", &M::region, text("a region"), "Region whose outline it is."),
+                   field("polygon", &M::polygon, list(point<ReferencePoint>("m")), "Its corners.")
+                       .written_if([](const M& given) {
+                         return given.region.empty();  // otherwise filled in from the region
+                       }),
+                   field("puncture_force", &M::puncture_force, number("N", positive),
+                         "Tip force at which it is punctured.")
+                       .required()},
+                  {{"region", "polygon"}});
+}
+
+}  // namespace stylet

@@ -1,0 +1,165 @@
+#include "stylet/simulation/model.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/geometry/triangle.hpp"
+#include "stylet/mesh/embedded_point.hpp"
+#include "stylet/mesh/gmsh_reader.hpp"
+#include "stylet/mesh/rectangle.hpp"
+#include "stylet/mesh/refine.hpp"
+#include "stylet/mesh/validate.hpp"
+#include "stylet/needle/advance.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+namespace stylet {
+
+namespace {
+
+MeshData source_mesh(MPI_Comm comm, const Scene& scene) {
+  if (const auto* rectangle = std::get_if<RectangleMesh>(&scene.mesh.source)) {
+    return make_rectangle(*rectangle);
+  }
+  const std::filesystem::path file = std::get<std::string>(scene.mesh.source);
+  const auto path =
+      file.is_absolute() ? file : std::filesystem::path(scene.file).parent_path() / file;
+  const std::string name = path.lexically_normal().string();
+  return read_gmsh(name, read_on_all(comm, name), scene.mesh.scale);
+}
+
+std::string at(ReferencePoint x) {
+  return "(" + std::to_string(x.x) + ", " + std::to_string(x.y) + ") m";
+}
+
+void check_inside(const Scene& scene,
+                  const Mesh& mesh,
+                  const std::string& key,
+                  const std::string& name,
+                  ReferencePoint x) {
+  if (locate(mesh, x)) return;
+  double low[2] = {1e300, 1e300};
+  double high[2] = {-1e300, -1e300};
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], mesh.coordinates(node)[k]);
+      high[k] = std::max(high[k], mesh.coordinates(node)[k]);
+    }
+  }
+  throw InputError(scene.file + ": key '" + key + "." + name + "': " + at(x) +
+                   " lies outside the tissue, which spans " + at({low[0], low[1]}) + " to " +
+                   at({high[0], high[1]}));
+}
+
+// With the key of the scene in front of the mesh's own message.
+template <class Lookup>
+void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
+  try {
+    lookup();
+  } catch (const InputError& error) {
+    throw InputError(scene.file + ": key '" + key + "': " + error.what());
+  }
+}
+
+}  // namespace
+
+NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene) {
+  MeshData data = source_mesh(comm, scene);
+  validate(data);
+  if (data.dim != 2) {
+    throw InputError(data.source + ": a scene needs a mesh of triangles, this one has tetrahedra");
+  }
+  if (scene.mesh.refine > 0) data = refine(data, scene.mesh.refine);
+  auto numbering = number_nodes(data, size_of(comm));
+  std::vector<int> old_cell_of_new;
+  Mesh mesh(renumber(data, numbering, old_cell_of_new));
+  return {std::move(mesh), std::move(numbering.first_node), std::move(numbering.new_of_old),
+          std::move(old_cell_of_new)};
+}
+
+void check_against_mesh(const Scene& scene, Mesh& mesh) {
+  for (const auto& region : scene.tissue.regions) {
+    check_name(scene, "tissue.regions", [&] { (void)mesh.region_index(region.region); });
+  }
+  for (const auto& support : scene.supports) {
+    check_name(scene, "supports", [&] { (void)mesh.facets_of(support.curve); });
+  }
+  for (const auto& traction : scene.tractions) {
+    check_name(scene, "loads.traction", [&] { mesh.lock_curve(traction.curve); });
+  }
+  for (const auto& prescribed : scene.prescribed) {
+    check_name(scene, "prescribed", [&] { mesh.lock_curve(prescribed.curve); });
+  }
+  if (scene.membrane && !scene.membrane->region.empty()) {
+    check_name(scene, "membrane.region", [&] { (void)mesh.region_index(scene.membrane->region); });
+  }
+  for (const auto& target : scene.targets) {
+    check_inside(scene, mesh, "targets", target.name, target.point);
+  }
+  for (const auto& probe : scene.probes) {
+    check_inside(scene, mesh, "probes", probe.name, probe.point);
+  }
+  for (const auto& needle : scene.needles) {
+    check_name(scene, "needles", [&] { (void)find_entry(mesh, {needle.height}, needle.name); });
+  }
+}
+
+std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
+                                            const Scene& scene,
+                                            const NumberedMesh& numbered) {
+  const Mesh& mesh = numbered.mesh;
+  std::function<bool(int)> needs_flips;
+  if (!scene.needles.empty()) {
+    needs_flips = [&scene, &mesh](int node) {
+      double size = 0;
+      for (const int other : mesh.neighbours(node)) {
+        size = std::max(size, distance(mesh.point(node), mesh.point(other)));
+      }
+      // Nodes that the needle may move or whose edges it may flip stand within about two elements.
+      constexpr double reach = 3;
+      return std::ranges::any_of(scene.needles, [&](const NeedleParameters& needle) {
+        return std::abs(Axis::across(mesh.point(node)) - needle.height) < reach * size;
+      });
+    };
+  }
+  return std::make_unique<TissueOperator>(comm, mesh, numbered.first_node, scene.tissue,
+                                          needs_flips);
+}
+
+std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& region) {
+  const int index = mesh.region_index(region);
+  std::map<int, int> next;  // along the outline, the region to the left
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    if (mesh.region(c) != index) continue;
+    const auto n = mesh.cell(c);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int a = n[i];
+      const int b = n[(i + 1) % 3];
+      const auto other = mesh.across(c, a, b);
+      if (!other || mesh.region(*other) != index) next[a] = b;
+    }
+  }
+  std::vector<ReferencePoint> outline;
+  if (!next.empty()) {
+    // Starts at the leftmost node, whatever the numbering.
+    const auto first = std::ranges::min_element(next, {}, [&](const auto& edge) {
+      const auto x = mesh.point(edge.first);
+      return std::pair(x.x, x.y);
+    });
+    int node = first->first;
+    do {
+      outline.push_back(mesh.point(node));
+      node = next.at(node);
+    } while (node != first->first && outline.size() <= next.size());
+  }
+  if (outline.size() < 3 || outline.size() != next.size()) {
+    throw InputError(mesh.data().source + ": the outline of region '" + region +
+                     "' is not one closed curve, so it cannot be a membrane; give a polygon");
+  }
+  return outline;
+}
+
+}  // namespace stylet

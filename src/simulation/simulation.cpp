@@ -1,0 +1,493 @@
+#include "stylet/simulation/simulation.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/dynamics/explicit_newmark.hpp"
+#include "stylet/dynamics/implicit_newmark.hpp"
+#include "stylet/geometry/triangle.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace stylet {
+
+namespace {
+
+// Solves of one step: contact changes, secant steps and hand-overs. Beyond it the contact cycles.
+constexpr int most_passes = 500;
+// Triangles below `wanted_quality` are repaired by flips after a hand-over; below the floor the run
+// ends.
+constexpr double wanted_quality = 0.2;
+constexpr double quality_floor = 0.02;
+constexpr int most_repairs = 20;
+constexpr long most_settling_steps = 1000000;
+
+double estimated_time(const Scene& scene, const Mesh& mesh) {
+  double total = scene.needles.empty() ? scene.time.duration : 0;
+  for (const auto& needle : scene.needles) {
+    const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
+    double tip = skin;
+    for (const auto& a : needle.motion) {
+      if (a.duration) total += *a.duration;
+      if (a.kind != ActionKind::insert && a.kind != ActionKind::retract) continue;
+      double end = skin;
+      if (a.depth) end = skin + *a.depth;
+      if (a.position) end = Axis::along_sign * *a.position;
+      total += std::abs(end - tip) / a.speed;
+      tip = end;
+    }
+  }
+  return total;
+}
+
+std::vector<EmbeddedPoint> embed(const Mesh& mesh, std::span<const ReferencePoint> points) {
+  std::vector<EmbeddedPoint> embedded;
+  int hint = 0;
+  for (const auto& x : points) {
+    const auto found = locate(mesh, x, hint);
+    if (!found) {
+      throw InputError("a vertex of the membrane lies outside the tissue: (" + std::to_string(x.x) +
+                       ", " + std::to_string(x.y) + ") m");
+    }
+    embedded.push_back(*found);
+    hint = found->cell;
+  }
+  return embedded;
+}
+
+}  // namespace
+
+Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
+    : comm_(comm),
+      scene_(std::move(scene)),
+      numbered_(make_mesh(comm, scene_)),
+      conditions_([this]() -> const Scene& {
+        check_against_mesh(scene_, numbered_.mesh);
+        return scene_;
+      }(), numbered_.mesh) {
+  tissue_ = make_tissue(comm, scene_, numbered_);
+  if (scene_.time.method == TimeMethod::explicit_newmark) {
+    integrator_ = std::make_unique<ExplicitNewmark>(*tissue_, mesh(), scene_.time);
+    counts_.stable_step = integrator_->stable_step();
+  } else {
+    integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
+  }
+  for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) {
+    *vec = tissue_->make_vector();
+    check(VecSet(vec->get(), 0));
+  }
+  if (conditions_.has_load()) {
+    last_load_ = tissue_->make_vector();
+    check(VecSet(last_load_.get(), 0));
+  }
+  if (!scene_.prescribed.empty()) {
+    reaction_ = tissue_->make_vector();
+    check(VecSet(reaction_.get(), 0));
+  }
+  if (scene_.membrane) {
+    auto& polygon = scene_.membrane->polygon;
+    if (polygon.empty()) polygon = region_outline(mesh(), scene_.membrane->region);
+    membrane_ = embed(mesh(), polygon);
+  }
+  for (const auto& probe : scene_.probes) probes_.push_back(*locate(mesh(), probe.point));
+  if (scene_.needles.empty()) {
+    Action wait;
+    wait.kind = ActionKind::hold;
+    wait.duration = scene_.time.duration;
+    clock_.emplace(std::vector<Action>{wait});
+  }
+  std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
+  std::iota(all.begin(), all.end(), 0);
+  counts_.worst_quality = mesh().worst_quality(all);
+  estimated_time_ = estimated_time(scene_, mesh());
+  if (track_energy) {
+    ledger_.emplace(*tissue_, state_, scene_.time.method != TimeMethod::quasi_static);
+  }
+}
+
+void Simulation::start() {
+  started_ = true;
+  update_load(0);
+  base_ = conditions_.prescribed(0);
+  // Quasi-static loads grow from zero in the first step; dynamic ones act at once.
+  if (scene_.time.method != TimeMethod::quasi_static) {
+    if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
+    initial_acceleration(*tissue_, state_, load_.get(), constraints(nullptr));
+  }
+}
+
+void Simulation::update_load(double t) {
+  if (!conditions_.has_load()) return;
+  const auto force = conditions_.load(mesh(), t);
+  PetscScalar* values = nullptr;
+  check(VecGetArray(load_.get(), &values));
+  std::copy(force.begin() + tissue_->first_dof(), force.begin() + tissue_->end_dof(), values);
+  check(VecRestoreArray(load_.get(), &values));
+}
+
+StepRecord Simulation::step() {
+  if (!started_) start();
+  StepRecord record;
+  act_without_time();
+  const Needle* needle = this->needle();
+  const std::size_t action = done_ ? 0 : motion().index();
+  constexpr double round_off = 1e-9;
+  const double wanted = scene_.time.step;
+  while (!done_ && needle == this->needle() && motion().index() == action &&
+         record.h < wanted * (1 - round_off)) {
+    const double longest = std::min(wanted - record.h, integrator_->stable_step());
+    record.h += sub_step(longest, record);
+    ++record.sub_steps;
+    if (motion().finished()) break;
+  }
+  act_without_time();
+  record.t = state_.t;
+  if (record.sub_steps > 0) ++counts_.steps;
+  counts_.sub_steps += record.sub_steps;
+  counts_.passes += record.passes;
+  counts_.iterations += record.iterations;
+  counts_.peak_needle_force =
+      std::max(counts_.peak_needle_force, std::abs(record.needle.forces.total()));
+  return record;
+}
+
+// Enters needles, implants seeds, and ends the run.
+void Simulation::act_without_time() {
+  while (!done_) {
+    if (clock_) {
+      done_ = clock_->finished();
+      return;
+    }
+    if (!needle_ || needle_->motion().finished()) {
+      if (n_entered_ == scene_.needles.size()) {
+        done_ = true;
+        return;
+      }
+      enter_next_needle();
+    }
+    if (needle_->motion().finished()) continue;
+    if (needle_->motion().action().kind != ActionKind::implant) return;
+    implant();
+  }
+}
+
+void Simulation::enter_next_needle() {
+  if (needle_) earlier_needles_ = counts_.needle;
+  const auto& parameters = scene_.needles[n_entered_++];
+  NeedleTissue tissue;
+  if (scene_.membrane) {
+    tissue.membrane = scene_.membrane->polygon;
+    tissue.puncture_force = scene_.membrane->puncture_force;
+  }
+  tissue.region_modulus.resize(mesh().data().region_names.size());
+  for (const auto& region : scene_.tissue.regions) {
+    tissue.region_modulus[static_cast<std::size_t>(mesh().region_index(region.region))] =
+        region.material.youngs_modulus;
+  }
+  needle_.emplace(parameters, std::move(tissue), integrator_->decides_by_velocity());
+  const Entry entry = find_entry(mesh(), needle_->axis(), parameters.name);
+  std::vector<int> nodes{entry.node, entry.neighbour};
+  std::ranges::sort(nodes);
+  apply(needle_->enter(entry, start_view(nodes)), true);
+}
+
+void Simulation::implant() {
+  Motion& motion = needle_->motion();
+  Seed seed;
+  seed.needle = needle_->parameters().name;
+  seed.target = motion.action().target;
+  if (seed.target.empty() && scene_.targets.size() == 1) seed.target = scene_.targets[0].name;
+  seed.time = state_.t;
+  const ReferencePoint p = needle_->tip_point(mesh());
+  const auto place = locate(mesh(), p, mesh().cells_around(needle_->track().tip()).front());
+  if (!place) throw NumericalError("a seed fell outside the tissue");
+  seed.place = *place;
+  seeds_.push_back(seed);
+  motion.finish_action();
+  if (!scene_.time.until_implanted || n_entered_ < scene_.needles.size()) return;
+  const auto& actions = needle_->parameters().motion;
+  done_ = std::none_of(actions.begin() + static_cast<std::ptrdiff_t>(motion.index()), actions.end(),
+                       [](const Action& a) { return a.kind == ActionKind::implant; });
+}
+
+ConstraintSet Simulation::constraints(const Needle* active) const {
+  ConstraintSet set;
+  if (active != nullptr) set = active->constraints(mesh());
+  // Where a support and the needle meet, the support holds.
+  std::erase_if(set.dofs, [&](const PrescribedDof& c) {
+    return std::ranges::binary_search(base_, c.dof, {}, &PrescribedDof::dof);
+  });
+  set.dofs.insert(set.dofs.end(), base_.begin(), base_.end());
+  return set;
+}
+
+double Simulation::sub_step(double longest, StepRecord& record) {
+  const NeedleStep step = motion().next(longest);
+  const double t1 = state_.t + step.h;
+  if (conditions_.load_changes(state_.t, t1)) update_load(t1);
+  if (!scene_.prescribed.empty()) base_ = conditions_.prescribed(t1);
+  Needle* active = nullptr;
+  if (needle_ && (!needle_->released() || motion().action().kind == ActionKind::insert)) {
+    active = &*needle_;
+    active->start_step(mesh(), step);
+  }
+  const bool ends_withdrawn = needle_ && motion().action().kind == ActionKind::retract &&
+                              !motion().action().depth && !motion().action().position;
+  const bool ends_settled =
+      motion().action().kind == ActionKind::settle && !motion().action().duration;
+  const std::size_t action = motion().index();
+
+  integrator_->begin(state_, load_.get(), step.h);
+  NeedleStepReport report;
+  Trial trial;
+  for (int pass = 0;; ++pass) {
+    const bool edited = active != nullptr && edit_for_needle();
+    const ConstraintSet set = constraints(active);
+    trial = integrator_->attempt(set, edited);
+    ++record.passes;
+    record.iterations += trial.iterations;
+    if (active == nullptr) break;
+    const TrialView view = trial_view(active->shaft_nodes(), trial);
+    if (active->review(mesh(), view, trial.lambda)) {
+      report = active->commit(mesh(), view, trial.lambda);
+      break;
+    }
+    if (pass == most_passes) {
+      throw NumericalError("the contact of needle '" + active->parameters().name +
+                           "' does not settle at t = " + std::to_string(t1) + " s after " +
+                           std::to_string(pass) + " solves; take a smaller time.step");
+    }
+  }
+  accept(trial, step.h, report);
+  if (active != nullptr) {
+    count_deformed_inversions();
+    counts_.needle = earlier_needles_;
+    counts_.needle.hand_overs += active->counts().hand_overs;
+    counts_.needle.fallbacks += active->counts().fallbacks;
+    counts_.needle.punctures += active->counts().punctures;
+    counts_.needle.frozen_contacts += active->counts().frozen_contacts;
+  } else {
+    motion().commit(step);
+  }
+  record.needle = report;
+  if (scene_.time.method == TimeMethod::explicit_newmark) {
+    counts_.stable_step = std::min(counts_.stable_step, integrator_->stable_step());
+  }
+  const bool same_action = !motion().finished() && motion().index() == action;
+  if (ends_withdrawn && same_action && needle_->released()) motion().finish_action();
+  if (ends_settled && same_action) {
+    if (settled()) motion().finish_action();
+    if (++settling_steps_ > most_settling_steps) {
+      throw NumericalError("the tissue does not come to rest; give settle a duration or the tissue "
+                           "damping");
+    }
+  }
+  return step.h;
+}
+
+bool Simulation::settled() const {
+  PetscReal speed = 0;
+  check(VecNorm(state_.v.get(), NORM_INFINITY, &speed));
+  return speed <= needle_->motion().action().speed_tolerance;
+}
+
+void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
+  double external = report.needle_work;
+  if (reaction_) {
+    check(VecCopy(trial.reaction, reaction_.get()));
+    if (ledger_) {
+      for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
+        for (std::size_t k = 0; k < 2; ++k) {
+          const Vec vectors[3] = {trial.reaction, trial.u, state_.u.get()};
+          const auto values = gather(vectors, conditions_.curve_dofs(i, k));
+          for (std::size_t n = 0; n < values[0].size(); ++n) {
+            external += values[0][n] * (values[1][n] - values[2][n]);
+          }
+        }
+      }
+    }
+  }
+  PetscReal size = 0;
+  check(VecNorm(trial.u, NORM_INFINITY, &size));
+  if (!std::isfinite(size)) {
+    throw NumericalError("the displacement is no longer finite at t = " +
+                         std::to_string(state_.t + h) + " s");
+  }
+  integrator_->accept();
+  if (ledger_) {
+    const double dissipated = report.cutting_work + report.friction_work;
+    ledger_->add(*tissue_, state_, h, last_load_.get(), last_load_ ? load_.get() : nullptr, external,
+                 dissipated);
+  }
+  if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
+}
+
+bool Simulation::edit_for_needle() {
+  bool edited = false;
+  while (needle_->wants_edit()) {
+    const std::size_t before = needle_->track().size();
+    const auto nodes = needle_->watched(mesh());
+    const NeedleEdits edits = needle_->plan(mesh(), start_view(nodes));
+    if (edits.empty()) continue;
+    // A trial advance may be taken back; what hands over or flips stays.
+    apply(edits, needle_->track().size() != before || !edits.flips.empty());
+    edited = true;
+  }
+  return edited;
+}
+
+void Simulation::apply(const NeedleEdits& edits, bool repair) {
+  static const LogEvent event("StyletEdit");
+  const LogScope scope(event);
+  Mesh& mesh = numbered_.mesh;
+  std::vector<int> touched;
+  for (const auto& move : edits.moves) {
+    mesh.move_node(move.node, move.x);
+    const auto set = [&](Vec vector, Vector2 value) {
+      set_owned(vector, 2 * move.node, value.x);
+      set_owned(vector, 2 * move.node + 1, value.y);
+    };
+    set(state_.u.get(), move.state.u);
+    set(state_.v.get(), move.state.v);
+    set(state_.a.get(), move.state.a);
+    const auto around = mesh.cells_around(move.node);
+    touched.insert(touched.end(), around.begin(), around.end());
+  }
+  const auto flip = [&](const EdgeFlip& edge) {
+    const auto both = mesh.cells_with(edge.a, edge.b);
+    mesh.flip_edge(edge.a, edge.b);
+    touched.insert(touched.end(), both.begin(), both.end());
+    ++counts_.edge_flips;
+  };
+  for (const auto& edge : edits.flips) flip(edge);
+  if (repair) {
+    for (int i = 0; i < most_repairs; ++i) {
+      const auto edge = best_flip(mesh, needle_->track(), touched, wanted_quality);
+      if (!edge) break;
+      flip(*edge);
+    }
+  }
+  std::ranges::sort(touched);
+  touched.erase(std::ranges::unique(touched).begin(), touched.end());
+  const double worst = mesh.worst_quality(touched);
+  counts_.worst_quality = std::min(counts_.worst_quality, worst);
+  if (worst < quality_floor) {
+    throw NumericalError("needle '" + needle_->parameters().name +
+                         "' would leave an element of quality " + std::to_string(worst) +
+                         " (at least " + std::to_string(quality_floor) + " is needed) at t = " +
+                         std::to_string(state_.t) + " s; refine the mesh or move the needle");
+  }
+  if (tissue_->update(mesh, touched)) ++counts_.pattern_rebuilds;
+  integrator_->touched(mesh, touched);
+  relocate(mesh, touched, membrane_);
+  relocate(mesh, touched, probes_);
+  for (auto& seed : seeds_) {
+    std::vector<EmbeddedPoint> one{seed.place};
+    relocate(mesh, touched, one);
+    seed.place = one.front();
+  }
+  if (conditions_.has_body_force()) update_load(state_.t);
+}
+
+NeedleView Simulation::start_view(std::span<const int> nodes) const {
+  std::vector<int> dofs;
+  for (const int node : nodes) {
+    dofs.push_back(2 * node);
+    dofs.push_back(2 * node + 1);
+  }
+  const Vec vectors[3] = {state_.u.get(), state_.v.get(), state_.a.get()};
+  const auto g = gather(vectors, dofs);
+  std::vector<NodeState> states;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
+    states.push_back({of(0), of(1), of(2)});
+  }
+  return {std::vector<int>(nodes.begin(), nodes.end()), std::move(states)};
+}
+
+TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
+  std::vector<int> dofs;
+  for (const int node : nodes) {
+    dofs.push_back(2 * node);
+    dofs.push_back(2 * node + 1);
+  }
+  const Vec vectors[3] = {trial.u, trial.v, trial.reaction};
+  const auto g = gather(vectors, dofs);
+  std::vector<NodeTrial> trials;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
+    trials.push_back({of(0), of(1), of(2)});
+  }
+  return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
+}
+
+void Simulation::count_deformed_inversions() {
+  if (needle_->tip_contact() == TipContact::open) return;
+  const auto nodes = needle_->watched(mesh());
+  const NeedleView view = start_view(nodes);
+  int inverted = 0;
+  for (const int c : mesh().cells_around(needle_->track().tip())) {
+    const auto n = mesh().cell(c);
+    const auto x = [&](std::size_t i) { return displaced(mesh().point(n[i]), view.at(n[i]).u); };
+    if (signed_area(x(0), x(1), x(2)) <= 0) ++inverted;
+  }
+  counts_.deformed_inversions = std::max(counts_.deformed_inversions, inverted);
+}
+
+std::vector<WorldPoint> Simulation::world(std::span<const EmbeddedPoint> points) const {
+  std::vector<int> dofs;
+  for (const auto& point : points) {
+    for (const int node : mesh().cell(point.cell)) {
+      dofs.push_back(2 * node);
+      dofs.push_back(2 * node + 1);
+    }
+  }
+  const Vec vectors[1] = {state_.u.get()};
+  const auto u = gather(vectors, dofs)[0];
+  std::vector<WorldPoint> world;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Vector2 moved;
+    for (std::size_t k = 0; k < 3; ++k) {
+      moved = moved + points[i].weights[k] * Vector2{u[6 * i + 2 * k], u[6 * i + 2 * k + 1]};
+    }
+    world.push_back(displaced(points[i].x, moved));
+  }
+  return world;
+}
+
+Vector2 Simulation::curve_reaction(std::size_t curve) const {
+  std::array<double, 2> total{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vec vectors[1] = {reaction_.get()};
+    for (const double value : gather(vectors, conditions_.curve_dofs(curve, k))[0]) total[k] += value;
+  }
+  return {total[0], total[1]};
+}
+
+double Simulation::fraction() const {
+  if (done_) return 1;
+  constexpr double nearly = 0.99;  // settling takes as long as it takes
+  return estimated_time_ > 0 ? std::min(nearly, state_.t / estimated_time_) : 0;
+}
+
+std::vector<double> Simulation::placement_errors() const {
+  std::vector<EmbeddedPoint> places;
+  for (const auto& seed : seeds_) places.push_back(seed.place);
+  const auto world = this->world(places);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < seeds_.size(); ++i) {
+    const auto target = std::ranges::find(scene_.targets, seeds_[i].target, &Target::name);
+    if (target == scene_.targets.end()) {
+      errors.push_back(std::nan(""));
+    } else if (scene_.time.until_implanted) {
+      errors.push_back(distance(seeds_[i].place.x, target->point));
+    } else {
+      errors.push_back(norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y}));
+    }
+  }
+  return errors;
+}
+
+}  // namespace stylet

@@ -1,0 +1,94 @@
+#include "stylet/output/history.hpp"
+
+#include "fixture.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+namespace stylet {
+
+namespace {
+
+using testing::contents;
+using testing::failure_of;
+using testing::FileSizeLimit;
+using ::testing::HasSubstr;
+
+std::string shown(double value) {
+  std::string text;
+  append_number(text, value);
+  return text;
+}
+
+TEST(Number, IsShortAndExact) {
+  EXPECT_EQ(shown(3), "3");
+  EXPECT_EQ(shown(-0.0), "0");
+  EXPECT_EQ(shown(100000), "100000");
+  EXPECT_EQ(shown(0.1), "0.1");
+  EXPECT_EQ(shown(1e22), "1e+22");
+  EXPECT_EQ(shown(std::nan("")), "nan");
+  EXPECT_EQ(shown(std::numeric_limits<double>::infinity()), "inf");
+  for (const double value : {1.0 / 3, 6.02214076e23, -4.9e-324, 0.1 + 0.2}) {
+    EXPECT_EQ(std::strtod(shown(value).c_str(), nullptr), value);
+  }
+}
+
+class History : public testing::FolderTest {
+ protected:
+  std::string file() const { return path("history.csv"); }
+};
+
+TEST_F(History, HasUnitsInItsHeader) {
+  HistoryWriter history(MPI_COMM_WORLD, file(), {{"time", "s"}, {"step", ""}, {"a,b", "N"}});
+  history.write(std::array{0.25, 7.0, -1.5});
+  history.close();
+  EXPECT_EQ(contents(file()), "time [s],step,\"a,b [N]\"\n0.25,7,-1.5\n");
+}
+
+TEST_F(History, SurvivesADeadProgram) {
+  HistoryWriter history(MPI_COMM_WORLD, file(), {{"time", "s"}});
+  EXPECT_EQ(contents(file()), "time [s]\n");
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));  // beyond the longest delay
+  history.write(std::array{1.0});
+  EXPECT_EQ(contents(file()), "time [s]\n1\n");
+  history.write(std::array{2.0});
+  history.flush();
+  EXPECT_EQ(contents(file()), "time [s]\n1\n2\n");
+}
+
+TEST_F(History, WritesTheRestWhenItGoes) {
+  {
+    HistoryWriter history(MPI_COMM_WORLD, file(), {{"time", "s"}});
+    history.write(std::array{1.0});
+  }
+  EXPECT_EQ(contents(file()), "time [s]\n1\n");
+}
+
+TEST_F(History, FullDiskShowsAtFlush) {
+  HistoryWriter history(MPI_COMM_WORLD, file(), {{"time", "s"}});
+  const FileSizeLimit limit(1000);
+  for (int i = 0; i < 1000; ++i) history.write(std::array{0.1 * i});
+  std::string message;
+  EXPECT_EQ(failure_of([&] { history.flush(); }, &message), ExitCode::io);
+  EXPECT_THAT(message, HasSubstr("File too large"));
+  EXPECT_THAT(message, HasSubstr(file()));
+  EXPECT_EQ(failure_of([&] { history.close(); }), ExitCode::io);
+}
+
+TEST_F(History, DeviceWithoutSpace) {
+  EXPECT_EQ(failure_of([] { HistoryWriter(MPI_COMM_WORLD, "/dev/full", {{"time", "s"}}); }),
+            ExitCode::io);
+}
+
+TEST_F(History, WrongRowIsAnError) {
+  HistoryWriter history(MPI_COMM_WORLD, file(), {{"time", "s"}, {"force", "N"}});
+  EXPECT_EQ(failure_of([&] { history.write(std::array{1.0}); }), ExitCode::other);
+}
+
+}  // namespace
+
+}  // namespace stylet
