@@ -1,1 +1,122 @@
-int main() { return 0; }
+#include "stylet/app/verbs.hpp"
+#include "stylet/base/errors.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <iostream>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace {
+
+using namespace stylet;
+
+constexpr const char* examples = R"(
+Examples:
+  stylet run input/prostate.yaml
+  mpirun -n 2 stylet run input/prostate.yaml --output out/deeper --force \
+      --set needles.0.motion.0.position="2.85 cm"
+  stylet run input/prostate.yaml --set time.until=implanted --set mesh.refine=1
+  stylet check input/prostate.yaml
+  stylet modes 6 input/prostate.yaml
+  stylet schema
+  stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg
+
+PETSc options stand after -- and only tune solvers: -ksp_*, -pc_*, -log_view.
+Exit codes: 0 done, 2 bad scene or mesh, 3 numerical failure, 4 input/output, 1 anything else.)";
+
+/// Everything after -- is PETSc's.
+std::vector<std::string> split(std::span<char*> arguments, std::vector<char*>& for_petsc) {
+  std::vector<std::string> own;
+  bool ours = true;
+  for_petsc.push_back(arguments[0]);
+  for (char* argument : arguments.subspan(1)) {
+    if (ours && std::string_view(argument) == "--") {
+      ours = false;
+    } else if (ours) {
+      own.emplace_back(argument);
+    } else {
+      for_petsc.push_back(argument);
+    }
+  }
+  return own;
+}
+
+// PETSc has options that change more than solvers, or read files.
+void refuse_other_options(std::span<char* const> options) {
+  constexpr std::array allowed{"-ksp_", "-pc_",   "-sub_", "-mg_",    "-mat_mumps_",
+                               "-eps_", "-st_",   "-log_", "-options_left", "-mat_superlu_dist_",
+                               "-mat_cholmod_"};
+  for (const std::string_view option : options) {
+    const bool is_name = option.size() > 1 && option[0] == '-' && std::isalpha(option[1]) != 0;
+    if (!is_name) continue;
+    if (std::ranges::none_of(allowed, [&](const char* p) { return option.starts_with(p); })) {
+      throw InputError("PETSc option " + std::string(option) +
+                       " is not one of the solver options -ksp_*, -pc_*, -mg_*, -sub_*, "
+                       "-mat_mumps_*, -eps_*, -st_*, -log_*");
+    }
+  }
+}
+
+int program(std::vector<std::string> arguments, std::span<char* const> petsc_options) {
+  CLI::App app{"stylet simulates how a needle deforms and cuts soft tissue and where its seeds end "
+               "up."};
+  app.name("stylet");
+  app.footer(examples);
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("stylet ") + STYLET_VERSION);
+
+  SceneArguments scene;
+  RunOptions options;
+  int n_modes = 0;
+  bool markdown = false;
+  const auto takes_scene = [&](CLI::App* verb) {
+    verb->add_option("scene", scene.file, "scene file (YAML)")->required();
+    verb->add_option("--set", scene.overrides,
+                     "key=value of the scene, may be repeated; keys as in `stylet schema`")
+        ->allow_extra_args(false);
+    verb->footer(examples);
+  };
+  CLI::App* run = app.add_subcommand("run", "simulate a scene");
+  takes_scene(run);
+  run->add_option("--output", options.output, "folder of the results (default: out/<scene>)");
+  run->add_flag("--force", options.force, "overwrite the results of an earlier run");
+  run->add_flag("--quiet", options.quiet, "print errors only");
+  CLI::App* check = app.add_subcommand("check", "validate a scene and its mesh, run nothing");
+  takes_scene(check);
+  CLI::App* modes = app.add_subcommand("modes", "smallest natural frequencies of a scene's tissue");
+  modes->add_option("n", n_modes, "how many")->required();
+  takes_scene(modes);
+  CLI::App* schema = app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
+  schema->add_flag("--markdown", markdown, "as a table for the README");
+
+  const bool first = rank_of(MPI_COMM_WORLD) == 0;
+  try {
+    std::ranges::reverse(arguments);  // CLI11 takes them from the back
+    app.parse(arguments);
+  } catch (const CLI::Success& help) {
+    if (first) app.exit(help);
+    return static_cast<int>(ExitCode::done);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + "; see stylet --help");
+  }
+  refuse_other_options(petsc_options);
+  if (*run) return run_verb(scene, options);
+  if (*check) return check_verb(scene);
+  if (*modes) return modes_verb(scene, n_modes);
+  return schema_verb(markdown);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<char*> for_petsc;
+  auto own = split({argv, static_cast<std::size_t>(argc)}, for_petsc);
+  const stylet::Session session(static_cast<int>(for_petsc.size()), for_petsc.data());
+  return stylet::run_guarded(
+      [&] { return program(std::move(own), std::span(for_petsc).subspan(1)); });
+}

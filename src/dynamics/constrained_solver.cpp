@@ -26,7 +26,8 @@ double dot(Vec x, Vec y) {
 ConstrainedSolver::ConstrainedSolver(MPI_Comm comm, double rtol) : comm_(comm), rtol_(rtol) {
   check(KSPCreate(comm, ksp_.put()));
   check(KSPSetType(ksp_.get(), KSPCG));
-  check(KSPSetTolerances(ksp_.get(), rtol_, 1e-300, PETSC_DEFAULT, most_iterations));
+  // The first guess may be worse than none by any factor, so there is no divergence limit.
+  check(KSPSetTolerances(ksp_.get(), rtol_, 1e-300, 1e300, most_iterations));
   check(KSPSetInitialGuessNonzero(ksp_.get(), PETSC_TRUE));
   PC outer = nullptr;
   check(KSPGetPC(ksp_.get(), &outer));

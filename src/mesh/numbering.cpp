@@ -5,6 +5,8 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -119,6 +121,28 @@ class CuthillMcKee {
   int stamp_ = 0;
 };
 
+/// Equal strips of the narrow order of the whole mesh, for meshes so small that METIS leaves a rank
+/// empty.
+std::vector<int> strips(const Graph& graph, int n_ranks) {
+  const std::vector<int> one_rank(graph.size(), 0);
+  CuthillMcKee cuthill_mckee(graph, one_rank);
+  std::vector<int> owner(graph.size(), -1);
+  std::int64_t position = 0;
+  for (int i = 0; i < graph.size(); ++i) {
+    if (owner[i] >= 0) continue;
+    for (int j : cuthill_mckee.piece(i)) {
+      owner[j] = static_cast<int>(position++ * n_ranks / graph.size());
+    }
+  }
+  return owner;
+}
+
+std::vector<int> count_owned(const std::vector<int>& owner, int n_ranks) {
+  std::vector<int> n(n_ranks, 0);
+  for (int rank : owner) ++n[rank];
+  return n;
+}
+
 }  // namespace
 
 Numbering number_nodes(const MeshData& mesh, int n_ranks) {
@@ -127,11 +151,13 @@ Numbering number_nodes(const MeshData& mesh, int n_ranks) {
                      std::to_string(mesh.n_nodes()) + ", the number of nodes");
   }
   const Graph graph = node_graph(mesh);
-  const std::vector<int> owner = owners(graph, n_ranks);
+  std::vector<int> owner = owners(graph, n_ranks);
+  if (std::ranges::count(count_owned(owner, n_ranks), 0) > 0) owner = strips(graph, n_ranks);
   Numbering result;
-  result.first_node.assign(n_ranks + 1, 0);
-  for (int rank : owner) ++result.first_node[rank + 1];
-  std::partial_sum(result.first_node.begin(), result.first_node.end(), result.first_node.begin());
+  result.first_node = {0};
+  for (int n : count_owned(owner, n_ranks)) {
+    result.first_node.push_back(result.first_node.back() + n);
+  }
 
   constexpr int unnumbered = -1;
   result.new_of_old.assign(graph.size(), unnumbered);

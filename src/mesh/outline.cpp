@@ -79,6 +79,10 @@ void check_polygon(const Polygon& polygon, const std::string& who) {
                        std::to_string((i + 1) % n + 1) +
                        " are equal; the polygon closes by itself, each corner stands once");
     }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto a = polygon[i];
+    const auto b = polygon[(i + 1) % n];
     for (std::size_t j = i + 2; j < n; ++j) {
       if (i == 0 && j == n - 1) continue;  // neighbours through the closing edge
       if (!segments_cross(a, b, polygon[j], polygon[(j + 1) % n])) continue;

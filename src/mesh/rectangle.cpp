@@ -8,8 +8,10 @@
 #include "stylet/mesh/outline.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <random>
 #include <utility>
@@ -23,6 +25,13 @@ const std::vector<std::string> side_names = {"left", "right", "bottom", "top"};
 
 [[noreturn]] void fail(const std::string& message) {
   throw InputError(source + (": " + message));
+}
+
+/// A measured value for a message, without its rounding.
+std::string brief(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", value);
+  return text.data();
 }
 
 void check_names(const RectangleMesh& p) {
@@ -188,7 +197,7 @@ void add_region(const Mesh& mesh,
   }
   const double wanted = enclosed_area(region.outline);
   if (std::abs(area - wanted) <= allowed * wanted) return;
-  fail("region '" + region.name + "' covers " + exact(area) + " m2 instead of " + exact(wanted) +
+  fail("region '" + region.name + "' covers " + brief(area) + " m2 instead of " + brief(wanted) +
        "; allowed: 3 % apart; " + hint);
 }
 
@@ -227,8 +236,8 @@ void add_curve(const Mesh& mesh, const InnerCurve& curve, MeshData& data) {
     length += distance(curve.points[i - 1], curve.points[i]);
   }
   if (!(std::abs(covered - length) <= gap * length) || length == 0) {
-    fail("curve '" + curve.name + "': triangle edges cover " + exact(covered) + " m of its " +
-         exact(length) + " m; it must run along grid lines, inside the rectangle, each piece once");
+    fail("curve '" + curve.name + "': triangle edges cover " + brief(covered) + " m of its " +
+         brief(length) + " m; it must run along grid lines, inside the rectangle, each piece once");
   }
   data.curve_names.push_back(curve.name);
 }
@@ -238,8 +247,8 @@ void check_quality(const Mesh& mesh, const std::string& hint) {
   for (int c = 0; c < mesh.n_cells(); ++c) {
     if (mesh.cell_quality(c) > least) continue;
     const ReferencePoint p = mesh.point(mesh.cell(c)[0]);
-    fail("the triangle at (" + exact(p.x) + ", " + exact(p.y) + ") m has quality " +
-         exact(mesh.cell_quality(c)) + "; allowed: above " + exact(least) + "; " + hint);
+    fail("the triangle at (" + brief(p.x) + ", " + brief(p.y) + ") m has quality " +
+         brief(mesh.cell_quality(c)) + "; allowed: above " + brief(least) + "; " + hint);
   }
 }
 

@@ -101,7 +101,13 @@ std::vector<double> Needle::tip_weights(const Mesh& mesh) const {
 
 std::vector<double> Needle::friction_lengths(const Mesh& mesh) const {
   const double path = track_.distances(mesh).front();
-  return track_.lengths(mesh, exposed_ + parameters_.cutting.tip_length, path);
+  auto lengths = track_.lengths(mesh, exposed_ + parameters_.cutting.tip_length, path);
+  if (tip_ != TipContact::open && lengths.size() > 1) {
+    // The tip node obeys the tip's law alone; the shaft that it stands for goes to its neighbour.
+    lengths[lengths.size() - 2] += lengths.back();
+    lengths.back() = 0;
+  }
+  return lengths;
 }
 
 void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
@@ -112,8 +118,12 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   base_.reset();
   last_gap_.reset();
   b_ = 0;
+  // A tip that keeps cutting will advance about as far as last time.
+  const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 &&
+                             parameters_.cutting.law == CuttingLaw::consistent;
+  remaining_ = keeps_cutting && track_.size() > 1 ? advanced_ : 0;
+  guessing_ = remaining_ > 0;
   advanced_ = 0;
-  remaining_ = 0;
   tip_changes_ = 0;
   for (auto& shaft : track_.nodes()) shaft.changes = 0;
   if (tip_ == TipContact::open) return;
@@ -194,7 +204,8 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
   const double limit = cap();
   double to = std::max(0.0, b_ + remaining_);
   remaining_ = 0;
-  if (to >= limit) {
+  if (guessing_) to = std::min(to, limit);
+  if (to >= limit && !guessing_) {
     if (pending_membrane_edge_) {
       membrane_edge_ = pending_membrane_edge_;
       tip_ = TipContact::stick;
@@ -204,6 +215,7 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     }
     to = limit;
   }
+  guessing_ = false;
   if (to != b_) {
     advanced_ += to - b_;
     b_ = to;
@@ -374,14 +386,26 @@ bool Needle::cut_further(double g) {
   return false;
 }
 
-NeedleStepReport Needle::commit(const Mesh& mesh, const TrialView& trial, double lambda) {
+NeedleStepReport Needle::commit(const Mesh& mesh,
+                                const NeedleView& start,
+                                const TrialView& trial,
+                                double lambda) {
   NeedleStepReport report;
   const double v = step_.speed();
   const double h = step_.h;
   if (tip_ == TipContact::stick) report.forces.tip = lambda;
   if (tip_ == TipContact::cut) report.forces.tip = threshold(mesh);
   last_tip_force_ = report.forces.tip;
-  report.cutting_work = report.forces.tip * advanced_;
+  if (tip_ != TipContact::open) {
+    // What the hand does at the tip and the tissue does not get.
+    const auto weights = tip_weights(mesh);
+    double moved = step_.to - step_.from;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const int node = track_.nodes()[i].node;
+      moved -= weights[i] * Axis::along(trial.at(node).u - start.at(node).u);
+    }
+    report.cutting_work = report.forces.tip * moved;
+  }
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     const bool level = velocity_level_;
     velocity_level_ = false;  // the positions as they are
@@ -400,7 +424,8 @@ NeedleStepReport Needle::commit(const Mesh& mesh, const TrialView& trial, double
       const double force = sticks ? Axis::along(node.reaction)
                                   : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
       report.forces.friction += force;
-      report.friction_work += sticks ? 0 : force * relative * h;
+      report.friction_work +=
+          force * (step_.to - step_.from - Axis::along(node.u - start.at(shaft.node).u));
       ++(sticks ? report.n_stick : report.n_slip);
       if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
         shaft.contact = Contact::stick;

@@ -1,11 +1,16 @@
 #include "stylet/petsc/session.hpp"
 
+#include "stylet/base/errors.hpp"
 #include "stylet/petsc/check.hpp"
 
 #include <slepcsys.h>
 
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <string>
+#include <thread>
 
 namespace stylet {
 
@@ -40,6 +45,61 @@ int size_of(MPI_Comm comm) {
 void abort_job(int exit_code) {
   MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::abort();
+}
+
+namespace {
+
+void fail(int code, const std::string& message) {
+  MPI_Request request;
+  MPI_Ibarrier(MPI_COMM_WORLD, &request);
+  int all_here = 0;
+  constexpr int most_looks = 200;
+  for (int i = 0; i < most_looks && all_here == 0; ++i) {
+    MPI_Test(&request, &all_here, MPI_STATUS_IGNORE);
+    if (all_here == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const int rank = rank_of(MPI_COMM_WORLD);
+  if (all_here == 0) {
+    std::fprintf(stderr, "stylet: rank %d alone: %s\n", rank, message.c_str());
+    std::fflush(stderr);
+    abort_job(code);
+  }
+  if (rank == 0) std::fprintf(stderr, "stylet: %s\n", message.c_str());
+}
+
+}  // namespace
+
+int run_guarded(const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const Error& error) {
+    fail(static_cast<int>(error.code()), error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    fail(EXIT_FAILURE, std::string("internal error: ") + error.what());
+    return EXIT_FAILURE;
+  }
+}
+
+void check_unused_options() {
+  PetscInt n = 0;
+  char** names = nullptr;
+  char** values = nullptr;
+  check(PetscOptionsLeftGet(nullptr, &n, &names, &values));
+  std::string unused;
+  for (PetscInt i = 0; i < n; ++i) {
+    const std::string name = names[i];
+    // Read when the session ends.
+    if (name.starts_with("log_") || name.starts_with("options_") || name.starts_with("malloc")) {
+      continue;
+    }
+    unused += (unused.empty() ? "-" : ", -") + name;
+  }
+  check(PetscOptionsLeftRestore(nullptr, &n, &names, &values));
+  if (unused.empty()) return;
+  throw InputError("PETSc option " + unused +
+                   " was not used by any solver of this run; solver options are -ksp_* and -pc_*, "
+                   "for modes -eps_* and -st_*");
 }
 
 }  // namespace stylet

@@ -249,9 +249,10 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     ++record.passes;
     record.iterations += trial.iterations;
     if (active == nullptr) break;
-    const TrialView view = trial_view(active->shaft_nodes(), trial);
+    const auto shaft = active->shaft_nodes();
+    const TrialView view = trial_view(shaft, trial);
     if (active->review(mesh(), view, trial.lambda)) {
-      report = active->commit(mesh(), view, trial.lambda);
+      report = active->commit(mesh(), start_view(shaft), view, trial.lambda);
       break;
     }
     if (pass == most_passes) {

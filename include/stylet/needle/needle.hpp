@@ -81,7 +81,11 @@ class Needle {
   [[nodiscard]] ConstraintSet constraints(const Mesh& mesh) const;
   /// True: the step is accepted.
   bool review(const Mesh& mesh, const TrialView& trial, double lambda);
-  NeedleStepReport commit(const Mesh& mesh, const TrialView& trial, double lambda);
+  /// start: the shaft nodes after the last edits.
+  NeedleStepReport commit(const Mesh& mesh,
+                          const NeedleView& start,
+                          const TrialView& trial,
+                          double lambda);
 
   [[nodiscard]] const NeedleParameters& parameters() const { return parameters_; }
   [[nodiscard]] const Axis& axis() const { return axis_; }
@@ -125,6 +129,7 @@ class Needle {
   double b_ = 0;          ///< applied from base_ (m)
   double remaining_ = 0;  ///< still to apply (m)
   bool hand_over_wanted_ = false;
+  bool guessing_ = false;  ///< remaining_ is a guess that must not hand over
   double advanced_ = 0;  ///< over the whole step (m)
   std::optional<std::pair<double, double>> last_gap_;  ///< (b, gap) for the secant
   std::optional<int> pending_membrane_edge_;

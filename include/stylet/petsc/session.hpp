@@ -3,6 +3,8 @@
 
 #include <mpi.h>
 
+#include <functional>
+
 namespace stylet {
 
 /// Starts MPI and the libraries; stands outside the try block of main. If it is destroyed while an
@@ -24,5 +26,13 @@ class Session {
 
 /// Ends all ranks at once with this exit code.
 [[noreturn]] void abort_job(int exit_code);
+
+/// Runs the body of main and returns the exit code. An Error that all ranks throw is printed once.
+/// If the other ranks do not get here within two seconds the error struck some ranks only and the
+/// others wait for them: then the rank is named and the job aborted with the error's exit code.
+int run_guarded(const std::function<int()>& body);
+
+/// Collective. Throws InputError for PETSc options that nothing has asked for so far.
+void check_unused_options();
 
 }  // namespace stylet

@@ -154,8 +154,6 @@ TEST(Validate, Tetrahedra) {
   mesh = pair();
   mesh.coordinates.resize(12);
   mesh.coordinates.insert(mesh.coordinates.end(), {-1, -1, -1});
-  mesh.cells = {0, 1, 2, 3, 1, 3, 2, 4};
-  mesh.cells = {0, 1, 2, 3, 1, 2, 3, 4};
   mesh.region_names = {"a", "b"};
   mesh.cell_region = {0, 1};
   expect_error(mesh, "overlaps tetrahedron 1");

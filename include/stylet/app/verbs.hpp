@@ -1,0 +1,21 @@
+// The verbs of the program. Each is collective and returns the exit code.
+#pragma once
+
+#include "stylet/simulation/run.hpp"
+
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+struct SceneArguments {
+  std::string file;
+  std::vector<std::string> overrides;  ///< key=value
+};
+
+int run_verb(const SceneArguments& scene, const RunOptions& options);
+int check_verb(const SceneArguments& scene);
+int modes_verb(const SceneArguments& scene, int n);
+int schema_verb(bool markdown);
+
+}  // namespace stylet

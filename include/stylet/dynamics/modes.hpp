@@ -1,0 +1,18 @@
+// Natural frequencies of the supported tissue, K x = omega^2 M x, through SLEPc.
+#pragma once
+
+#include "stylet/fem/tissue_operator.hpp"
+
+#include <span>
+#include <vector>
+
+namespace stylet {
+
+/// Collective. The n smallest angular frequencies (rad/s), ascending, with the given dofs held. The
+/// shift is just below zero, so that rigid-body modes of unsupported tissue (omega = 0) are found
+/// too. SLEPc options: -eps_*, -st_*. Throws NumericalError if fewer converge.
+[[nodiscard]] std::vector<double> natural_frequencies(const TissueOperator& tissue,
+                                                      std::span<const int> held_dofs,
+                                                      int n);
+
+}  // namespace stylet

@@ -1,0 +1,48 @@
+// What a run leaves on disk: history.csv, snapshots.h5, summary.json.
+#pragma once
+
+#include "stylet/output/history.hpp"
+#include "stylet/output/snapshots.hpp"
+#include "stylet/simulation/simulation.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+class Recorder {
+ public:
+  /// Collective. Opens what the scene's output block asks for, in an existing folder, and writes the
+  /// first snapshot.
+  Recorder(MPI_Comm comm, const Simulation& simulation, const std::string& folder);
+
+  /// Collective. A row of the history, and a snapshot when its time has come.
+  void record(const Simulation& simulation, const StepRecord& step);
+  /// Collective. The last snapshot; closes the files.
+  void finish(const Simulation& simulation);
+  [[nodiscard]] int n_snapshots() const { return snapshots_ ? snapshots_->n_written() : 0; }
+
+ private:
+  void snapshot(const Simulation& simulation);
+
+  MPI_Comm comm_;
+  std::optional<HistoryWriter> history_;
+  std::optional<SnapshotWriter> snapshots_;
+  double next_snapshot_ = 0;
+  double last_snapshot_ = -1;
+  // Snapshots are in the order of the mesh's source, so that runs on any number of ranks compare.
+  std::vector<int> old_of_new_node_;
+  std::vector<int> new_of_old_cell_;
+};
+
+/// Collective. The summary of a run so far. status: running, completed or failed.
+[[nodiscard]] nlohmann::ordered_json summarise(MPI_Comm comm,
+                                               const Simulation& simulation,
+                                               const std::string& status,
+                                               const std::map<std::string, double>& wall_times);
+
+}  // namespace stylet

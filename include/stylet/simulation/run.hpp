@@ -1,0 +1,29 @@
+// A whole run from a scene to the files of its output folder.
+#pragma once
+
+#include "stylet/scene/scene.hpp"
+
+#include <mpi.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace stylet {
+
+struct RunOptions {
+  std::string output;  ///< folder; empty: the scene's, or out/<name of the scene file>
+  bool force = false;  ///< write into a folder that holds an earlier run
+  bool quiet = false;
+};
+
+struct RunOutcome {
+  std::string folder;
+  nlohmann::ordered_json summary;
+  int failed_expectations = 0;
+};
+
+/// Collective. Runs the scene, writes its files and prints the placement errors. After a numerical
+/// failure the files hold what there is, summary.json says why, and the error is thrown on.
+RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options);
+
+}  // namespace stylet

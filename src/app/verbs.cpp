@@ -1,0 +1,75 @@
+#include "stylet/app/verbs.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/dynamics/modes.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/scene/loader.hpp"
+#include "stylet/scene/schema.hpp"
+#include "stylet/simulation/simulation.hpp"
+
+#include <cstdio>
+#include <numbers>
+
+namespace stylet {
+
+namespace {
+
+bool prints() { return rank_of(MPI_COMM_WORLD) == 0; }
+
+Scene load(const SceneArguments& arguments) {
+  return load_scene(arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file),
+                    arguments.overrides);
+}
+
+}  // namespace
+
+int run_verb(const SceneArguments& arguments, const RunOptions& options) {
+  const RunOutcome outcome = run(MPI_COMM_WORLD, load(arguments), options);
+  if (outcome.failed_expectations == 0) return static_cast<int>(ExitCode::done);
+  throw NumericalError(std::to_string(outcome.failed_expectations) +
+                       " of the scene's expectations are not met, see " + outcome.folder +
+                       "/summary.json");
+}
+
+int check_verb(const SceneArguments& arguments) {
+  const Simulation simulation(MPI_COMM_WORLD, load(arguments), false);
+  if (prints()) {
+    std::printf("%s is valid: %d triangles, %d nodes, worst quality %.3f, %zu needle%s\n",
+                arguments.file.c_str(), simulation.mesh().n_cells(), simulation.mesh().n_nodes(),
+                simulation.counts().worst_quality, simulation.scene().needles.size(),
+                simulation.scene().needles.size() == 1 ? "" : "s");
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+int modes_verb(const SceneArguments& arguments, int n) {
+  const Scene scene = load(arguments);
+  NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, scene);
+  check_against_mesh(scene, numbered.mesh);
+  const auto tissue = make_tissue(MPI_COMM_WORLD, scene, numbered);
+  std::vector<int> held;
+  for (const auto& dof : Conditions(scene, numbered.mesh).prescribed(0)) held.push_back(dof.dof);
+  const int n_free = tissue->n_dofs() - static_cast<int>(held.size());
+  if (n < 1 || n > n_free) {
+    throw InputError("modes: " + std::to_string(n) + " modes asked for; this scene has 1 to " +
+                     std::to_string(n_free));
+  }
+  const auto frequencies = natural_frequencies(*tissue, held, n);
+  check_unused_options();
+  if (prints()) {
+    std::printf("mode  omega (rad/s)      frequency (Hz)\n");
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+      std::printf("%4zu  %-17.10g  %.10g\n", i + 1, frequencies[i],
+                  frequencies[i] / (2 * std::numbers::pi));
+    }
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+int schema_verb(bool markdown) {
+  if (prints()) std::fputs((markdown ? schema_markdown() : schema_text()).c_str(), stdout);
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace stylet

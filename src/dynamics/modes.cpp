@@ -1,0 +1,96 @@
+#include "stylet/dynamics/modes.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/owned.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <slepceps.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace stylet {
+
+namespace {
+
+using OwnedEps = Owned<EPS, EPSDestroy>;
+
+// The rows and columns of the free dofs.
+OwnedMat reduced(Mat matrix, IS free) {
+  OwnedMat part;
+  check(MatCreateSubMatrix(matrix, free, free, MAT_INITIAL_MATRIX, part.put()));
+  return part;
+}
+
+}  // namespace
+
+std::vector<double> natural_frequencies(const TissueOperator& tissue,
+                                        std::span<const int> held_dofs,
+                                        int n) {
+  std::vector<PetscInt> free;
+  for (int dof = tissue.first_dof(); dof < tissue.end_dof(); ++dof) {
+    if (!std::ranges::binary_search(held_dofs, dof)) free.push_back(dof);
+  }
+  OwnedIs rows;
+  check(ISCreateGeneral(tissue.comm(), static_cast<PetscInt>(free.size()), free.data(),
+                        PETSC_COPY_VALUES, rows.put()));
+  OwnedMat k = reduced(tissue.stiffness(), rows.get());
+  OwnedMat m;
+  if (tissue.mass() != nullptr) {
+    m = reduced(tissue.mass(), rows.get());
+  } else {
+    check(MatDuplicate(k.get(), MAT_DO_NOT_COPY_VALUES, m.put()));
+    check(MatZeroEntries(m.get()));
+    Vec part = nullptr;
+    check(VecGetSubVector(tissue.lumped_mass(), rows.get(), &part));
+    check(MatDiagonalSet(m.get(), part, INSERT_VALUES));
+    check(VecRestoreSubVector(tissue.lumped_mass(), rows.get(), &part));
+  }
+  PetscReal stiffness = 0;
+  PetscReal mass = 0;
+  check(MatNorm(k.get(), NORM_INFINITY, &stiffness));
+  check(MatNorm(m.get(), NORM_INFINITY, &mass));
+
+  OwnedEps eps;
+  check(EPSCreate(tissue.comm(), eps.put()));
+  check(EPSSetOperators(eps.get(), k.get(), m.get()));
+  check(EPSSetProblemType(eps.get(), EPS_GHEP));
+  check(EPSSetDimensions(eps.get(), n, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(EPSSetWhichEigenpairs(eps.get(), EPS_TARGET_MAGNITUDE));
+  // Far below every elastic mode, far above round-off of K.
+  constexpr double below_zero = -1e-7;
+  check(EPSSetTarget(eps.get(), below_zero * stiffness / mass));
+  constexpr double tolerance = 1e-10;
+  check(EPSSetTolerances(eps.get(), tolerance, PETSC_DEFAULT));
+  ST st = nullptr;
+  check(EPSGetST(eps.get(), &st));
+  check(STSetType(st, STSINVERT));
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(STGetKSP(st, &ksp));
+  check(KSPSetType(ksp, KSPPREONLY));
+  check(KSPGetPC(ksp, &pc));
+  check(PCSetType(pc, PCCHOLESKY));
+  check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  check(EPSSetFromOptions(eps.get()));
+  check(EPSSolve(eps.get()));
+  PetscInt found = 0;
+  check(EPSGetConverged(eps.get(), &found));
+  if (found < n) {
+    throw NumericalError("only " + std::to_string(found) + " of " + std::to_string(n) +
+                         " modes converged");
+  }
+  std::vector<double> frequencies;
+  for (int i = 0; i < found; ++i) {
+    PetscScalar value = 0;
+    check(EPSGetEigenvalue(eps.get(), i, &value, nullptr));
+    frequencies.push_back(std::sqrt(std::max(0.0, value)));
+  }
+  std::ranges::sort(frequencies);
+  frequencies.resize(static_cast<std::size_t>(n));
+  return frequencies;
+}
+
+}  // namespace stylet

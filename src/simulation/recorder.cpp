@@ -1,0 +1,340 @@
+#include "stylet/simulation/recorder.hpp"
+
+#include "stylet/fem/element.hpp"
+#include "stylet/fem/material.hpp"
+#include "stylet/output/chunk.hpp"
+#include "stylet/petsc/log.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <petscversion.h>
+
+#include <algorithm>
+
+namespace stylet {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+std::vector<Column> columns(const Simulation& simulation) {
+  std::vector<Column> columns{{"time", "s"}};
+  const Scene& scene = simulation.scene();
+  if (!scene.needles.empty()) {
+    for (const char* name : {"tip_world_x", "tip_world_y", "tip_reference_x", "tip_reference_y"}) {
+      columns.push_back({name, "m"});
+    }
+    for (const char* name : {"force_tip", "force_friction", "force_needle"}) {
+      columns.push_back({name, "N"});
+    }
+    if (scene.membrane) {
+      columns.push_back({"membrane_held", ""});
+      columns.push_back({"punctures", ""});
+    }
+    columns.push_back({"n_stuck", ""});
+    columns.push_back({"n_sliding", ""});
+    columns.push_back({"worst_quality", ""});
+  }
+  for (const char* name : {"kinetic_energy", "strain_energy", "dissipated_energy",
+                           "external_energy", "balance_error"}) {
+    columns.push_back({name, "J"});
+  }
+  columns.push_back({"solves", ""});
+  columns.push_back({"iterations", ""});
+  for (const auto& probe : scene.probes) {
+    columns.push_back({probe.name + "_ux", "m"});
+    columns.push_back({probe.name + "_uy", "m"});
+  }
+  for (const auto& prescribed : scene.prescribed) {
+    columns.push_back({prescribed.curve + "_fx", "N"});
+    columns.push_back({prescribed.curve + "_fy", "N"});
+  }
+  return columns;
+}
+
+std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
+  std::vector<double> row{step.t};
+  const Scene& scene = simulation.scene();
+  if (!scene.needles.empty()) {
+    const Needle& needle = *simulation.needle();
+    const auto world = needle.axis().at<WorldFrame>(needle.motion().tip());
+    const auto reference = needle.tip_point(simulation.mesh());
+    const auto& forces = step.needle.forces;
+    row.insert(row.end(), {world.x, world.y, reference.x, reference.y, forces.tip, forces.friction,
+                           forces.total()});
+    if (scene.membrane) {
+      row.push_back(needle.at_membrane() ? 1 : 0);
+      row.push_back(simulation.counts().needle.punctures);
+    }
+    row.push_back(step.needle.n_stick);
+    row.push_back(step.needle.n_slip);
+    row.push_back(simulation.counts().worst_quality);
+  }
+  const Energies& e = *simulation.energies();
+  row.insert(row.end(), {e.kinetic, e.strain, e.dissipated, e.external, e.balance_error(),
+                         static_cast<double>(step.passes), static_cast<double>(step.iterations)});
+  const auto probes = simulation.world(simulation.probes());
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    row.push_back(probes[i].x - scene.probes[i].point.x);
+    row.push_back(probes[i].y - scene.probes[i].point.y);
+  }
+  for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
+    const Vector2 force = simulation.curve_reaction(i);
+    row.push_back(force.x);
+    row.push_back(force.y);
+  }
+  return row;
+}
+
+template <class P>
+std::vector<std::array<double, 2>> plain(const std::vector<P>& points) {
+  std::vector<std::array<double, 2>> out;
+  for (const auto& p : points) out.push_back({p.x, p.y});
+  return out;
+}
+
+// 0 free, 1 support, 2 stuck, 3 sliding, 4 tip; by node of the run.
+std::vector<int> node_states(const Simulation& simulation) {
+  std::vector<int> state(static_cast<std::size_t>(simulation.mesh().n_nodes()), 0);
+  for (const auto& support : simulation.scene().supports) {
+    if (support.kind == SupportKind::free) continue;
+    for (const int node : simulation.mesh().nodes_of(support.curve)) {
+      state[static_cast<std::size_t>(node)] = 1;
+    }
+  }
+  if (const Needle* needle = simulation.needle(); needle != nullptr) {
+    for (const auto& shaft : needle->track().nodes()) {
+      if (!shaft.attached) continue;
+      state[static_cast<std::size_t>(shaft.node)] = shaft.contact == Contact::stick ? 2 : 3;
+    }
+    if (needle->tip_contact() != TipContact::open) {
+      state[static_cast<std::size_t>(needle->track().tip())] = 4;
+    }
+  }
+  return state;
+}
+
+// Stress and energy of this rank's rows of cells.
+void add_cell_fields(const Simulation& simulation,
+                     std::span<const int> new_of_old_cell,
+                     Range rows,
+                     const std::vector<double>& u,
+                     Snapshot& snapshot) {
+  const auto n = static_cast<std::size_t>(rows.size());
+  Field xx{"stress_xx", true, 1, std::vector<double>(n), "Pa"};
+  Field yy{"stress_yy", true, 1, std::vector<double>(n), "Pa"};
+  Field xy{"stress_xy", true, 1, std::vector<double>(n), "Pa"};
+  Field mises{"von_mises", true, 1, std::vector<double>(n), "Pa"};
+  Field energy{"strain_energy_density", true, 1, std::vector<double>(n), "J/m^3"};
+  FlagField region{"region", true, std::vector<int>(n)};
+  const Mesh& mesh = simulation.mesh();
+  for (std::size_t i = 0; i < n; ++i) {
+    const int c = new_of_old_cell[static_cast<std::size_t>(rows.begin) + i];
+    const auto nodes = mesh.cell(c);
+    const LinearSimplex<2> element(
+        {mesh.coordinates(nodes[0]), mesh.coordinates(nodes[1]), mesh.coordinates(nodes[2])});
+    std::array<LinearSimplex<2>::Vector, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = 2 * static_cast<std::size_t>(nodes[k]);
+      corners[k] = {u[at], u[at + 1]};
+    }
+    const auto h = element.displacement_gradient(corners);
+    const Moduli m = simulation.tissue().moduli(c);
+    const PlaneStress s = plane_stress(h, m, simulation.scene().tissue.plane);
+    xx.values[i] = s.xx;
+    yy.values[i] = s.yy;
+    xy.values[i] = s.xy;
+    mises.values[i] = s.von_mises();
+    energy.values[i] = strain_energy_density(h, m);
+    region.values[i] = mesh.region(c);
+  }
+  for (Field* field : {&xx, &yy, &xy, &mises, &energy}) snapshot.fields.push_back(std::move(*field));
+  snapshot.flags.push_back(std::move(region));
+}
+
+}  // namespace
+
+Recorder::Recorder(MPI_Comm comm, const Simulation& simulation, const std::string& folder)
+    : comm_(comm) {
+  const auto& output = simulation.scene().output;
+  if (output.history) history_.emplace(comm, folder + "/history.csv", columns(simulation));
+  if (!output.snapshots) return;
+  snapshots_.emplace(comm, folder);
+  const auto& numbered = simulation.numbered();
+  old_of_new_node_.resize(numbered.new_of_old_node.size());
+  for (std::size_t i = 0; i < old_of_new_node_.size(); ++i) {
+    old_of_new_node_[static_cast<std::size_t>(numbered.new_of_old_node[i])] = static_cast<int>(i);
+  }
+  new_of_old_cell_.resize(numbered.old_cell_of_new.size());
+  for (std::size_t i = 0; i < new_of_old_cell_.size(); ++i) {
+    new_of_old_cell_[static_cast<std::size_t>(numbered.old_cell_of_new[i])] = static_cast<int>(i);
+  }
+  snapshot(simulation);
+}
+
+void Recorder::record(const Simulation& simulation, const StepRecord& step) {
+  static const LogEvent event("StyletRecord");
+  const LogScope scope(event);
+  if (history_) history_->write(row(simulation, step));
+  constexpr double round_off = 1e-9;
+  if (snapshots_ && step.t >= next_snapshot_ * (1 - round_off)) {
+    if (history_) history_->flush();
+    snapshot(simulation);
+  }
+}
+
+void Recorder::finish(const Simulation& simulation) {
+  if (snapshots_ && last_snapshot_ != simulation.state().t) snapshot(simulation);
+  if (snapshots_) snapshots_->close();
+  if (history_) history_->close();
+}
+
+void Recorder::snapshot(const Simulation& simulation) {
+  static const LogEvent event("StyletSnapshot");
+  const LogScope scope(event);
+  const Mesh& mesh = simulation.mesh();
+  const auto& numbered = simulation.numbered();
+  const double t = simulation.state().t;
+  const double interval = *simulation.scene().output.snapshots;
+  while (next_snapshot_ <= t * (1 + 1e-9)) next_snapshot_ += interval;
+  last_snapshot_ = t;
+
+  Snapshot snapshot;
+  snapshot.time = t;
+  const Needle* needle = simulation.needle();
+  snapshot.phase = needle != nullptr ? name_of(needle->phase()) : "";
+  std::vector<double> coordinates(2 * old_of_new_node_.size());
+  for (std::size_t i = 0; i < old_of_new_node_.size(); ++i) {
+    const auto x = mesh.point(numbered.new_of_old_node[i]);
+    coordinates[2 * i] = x.x;
+    coordinates[2 * i + 1] = x.y;
+  }
+  std::vector<int> connectivity;
+  connectivity.reserve(3 * new_of_old_cell_.size());
+  for (const int c : new_of_old_cell_) {
+    for (const int node : mesh.cell(c)) {
+      connectivity.push_back(old_of_new_node_[static_cast<std::size_t>(node)]);
+    }
+  }
+  snapshot.coordinates = coordinates;
+  snapshot.connectivity = connectivity;
+  snapshot.mesh_version = mesh.version();
+
+  const auto u = gather_all(simulation.state().u.get());
+  const auto v = gather_all(simulation.state().v.get());
+  const auto states = node_states(simulation);
+  const Range nodes = chunk(mesh.n_nodes(), rank_of(comm_), size_of(comm_));
+  Field u_field{"u", false, 2, {}, "m"};
+  Field v_field{"v", false, 2, {}, "m/s"};
+  FlagField state_field{"node_state", false, {}};
+  for (int i = nodes.begin; i < nodes.end; ++i) {
+    const auto at = static_cast<std::size_t>(numbered.new_of_old_node[static_cast<std::size_t>(i)]);
+    u_field.values.insert(u_field.values.end(), {u[2 * at], u[2 * at + 1]});
+    v_field.values.insert(v_field.values.end(), {v[2 * at], v[2 * at + 1]});
+    state_field.values.push_back(states[at]);
+  }
+  snapshot.fields.push_back(std::move(u_field));
+  snapshot.fields.push_back(std::move(v_field));
+  snapshot.flags.push_back(std::move(state_field));
+  add_cell_fields(simulation, new_of_old_cell_,
+                  chunk(mesh.n_cells(), rank_of(comm_), size_of(comm_)), u, snapshot);
+
+  if (needle != nullptr && needle->phase() != NeedlePhase::withdrawn) {
+    constexpr double outside = 0.01;  // m of the needle shown in front of the skin
+    const auto& axis = needle->axis();
+    snapshot.polylines.push_back(
+        {"needle", plain(std::vector{axis.at<WorldFrame>(needle->motion().skin() - outside),
+                                     axis.at<WorldFrame>(needle->motion().tip())}),
+         false});
+  }
+  if (!simulation.membrane().empty()) {
+    snapshot.polylines.push_back({"membrane", plain(simulation.world(simulation.membrane())), true});
+  }
+  if (!simulation.seeds().empty()) {
+    std::vector<EmbeddedPoint> places;
+    for (const auto& seed : simulation.seeds()) places.push_back(seed.place);
+    snapshot.point_sets.push_back({"seeds", plain(simulation.world(places))});
+  }
+  if (!simulation.scene().targets.empty()) {
+    std::vector<ReferencePoint> targets;
+    for (const auto& target : simulation.scene().targets) targets.push_back(target.point);
+    snapshot.point_sets.push_back({"targets", plain(targets)});
+  }
+  snapshots_->write(snapshot);
+}
+
+ordered_json summarise(MPI_Comm comm,
+                       const Simulation& simulation,
+                       const std::string& status,
+                       const std::map<std::string, double>& wall_times) {
+  const Scene& scene = simulation.scene();
+  const RunCounts& counts = simulation.counts();
+  ordered_json summary;
+  summary["status"] = status;
+  summary["scene"] = scene.file;
+  summary["time"] = simulation.state().t;
+  summary["seeds"] = ordered_json::array();
+  std::vector<EmbeddedPoint> places;
+  for (const auto& seed : simulation.seeds()) places.push_back(seed.place);
+  const auto world = simulation.world(places);
+  const auto errors = simulation.placement_errors();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto& seed = simulation.seeds()[i];
+    ordered_json entry;
+    entry["needle"] = seed.needle;
+    entry["implanted_at"] = seed.time;
+    entry["reference"] = {places[i].x.x, places[i].x.y};
+    entry["world"] = {world[i].x, world[i].y};
+    for (const auto& target : scene.targets) {
+      if (target.name != seed.target) continue;
+      entry["target"] = target.name;
+      entry["target_point"] = {target.point.x, target.point.y};
+      entry["placement_error"] = errors[i];
+    }
+    summary["seeds"].push_back(entry);
+  }
+  if (!scene.needles.empty()) {
+    summary["peak_needle_force"] = counts.peak_needle_force;
+    summary["hand_overs"] = counts.needle.hand_overs;
+    summary["edge_flips"] = counts.edge_flips;
+    summary["fallbacks"] = counts.needle.fallbacks;
+    summary["punctures"] = counts.needle.punctures;
+    summary["frozen_contacts"] = counts.needle.frozen_contacts;
+    summary["pattern_rebuilds"] = counts.pattern_rebuilds;
+    summary["deformed_inversions"] = counts.deformed_inversions;
+  }
+  summary["worst_quality"] = counts.worst_quality;
+  summary["steps"] = counts.steps;
+  summary["sub_steps"] = counts.sub_steps;
+  summary["solves"] = counts.passes;
+  summary["ksp_iterations"] = counts.iterations;
+  if (scene.time.method == TimeMethod::explicit_newmark) {
+    summary["stable_step"] = counts.stable_step;
+  }
+  const auto probes = simulation.world(simulation.probes());
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const auto& x = scene.probes[i].point;
+    summary["probes"][scene.probes[i].name] = {probes[i].x - x.x, probes[i].y - x.y};
+  }
+  for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
+    const Vector2 force = simulation.curve_reaction(i);
+    summary["reactions"][scene.prescribed[i].curve] = {force.x, force.y};
+  }
+  if (const Energies* e = simulation.energies(); e != nullptr) {
+    summary["energy"] = {{"kinetic", e->kinetic},
+                         {"strain", e->strain},
+                         {"dissipated", e->dissipated},
+                         {"external", e->external},
+                         {"balance_error", e->balance_error()}};
+  }
+  summary["n_nodes"] = simulation.mesh().n_nodes();
+  summary["n_triangles"] = simulation.mesh().n_cells();
+  summary["n_ranks"] = size_of(comm);
+  summary["wall_times"] = wall_times;
+  summary["versions"] = {{"stylet", STYLET_VERSION},
+                         {"petsc", std::to_string(PETSC_VERSION_MAJOR) + "." +
+                                       std::to_string(PETSC_VERSION_MINOR) + "." +
+                                       std::to_string(PETSC_VERSION_SUBMINOR)}};
+  return summary;
+}
+
+}  // namespace stylet

@@ -1,0 +1,169 @@
+#include "stylet/simulation/run.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/output/folder.hpp"
+#include "stylet/output/progress.hpp"
+#include "stylet/output/summary.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/scene/writer.hpp"
+#include "stylet/simulation/recorder.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+
+namespace stylet {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string output_folder(const Scene& scene, const RunOptions& options) {
+  if (!options.output.empty()) return options.output;
+  if (!scene.output.directory.empty()) return scene.output.directory;
+  return "out/" + std::filesystem::path(scene.file).stem().string();
+}
+
+// The resolved scene runs again from any folder.
+std::string resolved(Scene scene) {
+  if (auto* file = std::get_if<std::string>(&scene.mesh.source)) {
+    const auto folder = std::filesystem::absolute(scene.file).parent_path();
+    *file = (folder / *file).lexically_normal().string();
+  }
+  return to_yaml(scene);
+}
+
+std::string progress_text(const Simulation& simulation, const StepRecord& step) {
+  char text[200];
+  if (const Needle* needle = simulation.needle(); needle != nullptr) {
+    std::snprintf(text, sizeof text, "t %.3f s  %s  tip %.2f mm deep  force %.2f N", step.t,
+                  name_of(needle->phase()),
+                  1e3 * (needle->motion().tip() - needle->motion().skin()),
+                  step.needle.forces.total());
+  } else {
+    std::snprintf(text, sizeof text, "t %.4g s", step.t);
+  }
+  return text;
+}
+
+const char* phase_of(const Simulation& simulation) {
+  const Needle* needle = simulation.needle();
+  return needle != nullptr ? name_of(needle->phase()) : "stepping";
+}
+
+int check_expectations(const Scene& scene, nlohmann::ordered_json& summary) {
+  int failed = 0;
+  for (const auto& expectation : scene.expect) {
+    const auto value = find_number(summary, expectation.quantity);
+    const bool met = value && *value >= expectation.min && *value <= expectation.max;
+    nlohmann::ordered_json entry{{"quantity", expectation.quantity}, {"met", met}};
+    entry["value"] = value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+    if (std::isfinite(expectation.min)) entry["min"] = expectation.min;
+    if (std::isfinite(expectation.max)) entry["max"] = expectation.max;
+    summary["expectations"].push_back(entry);
+    failed += met ? 0 : 1;
+  }
+  return failed;
+}
+
+void print(const Scene& scene, const RunOutcome& outcome) {
+  const auto& summary = outcome.summary;
+  for (const auto& seed : summary["seeds"]) {
+    if (!seed.contains("placement_error")) continue;
+    std::printf("placement error of the seed for '%s': %.3f mm\n",
+                seed["target"].get<std::string>().c_str(),
+                1e3 * seed["placement_error"].get<double>());
+  }
+  if (summary.contains("peak_needle_force")) {
+    std::printf("peak needle force: %.3f N\n", summary["peak_needle_force"].get<double>());
+  }
+  for (const auto& needle : scene.needles) {
+    if (needle.cutting.tip_length == 0) {
+      std::printf("note: needle '%s' has a point tip (tip_length 0): its answer depends on the mesh\n",
+                  needle.name.c_str());
+    }
+  }
+  if (summary.contains("frozen_contacts") && summary["frozen_contacts"].get<int>() > 0) {
+    std::printf("note: %d contacts kept changing in a step and were left as they were; a smaller "
+                "time.step resolves them\n",
+                summary["frozen_contacts"].get<int>());
+  }
+  if (summary.contains("deformed_inversions") && summary["deformed_inversions"].get<int>() > 0) {
+    std::printf("note: up to %d deformed elements at the tip were inverted (small-strain theory at "
+                "its limit); a longer tip_length avoids it\n",
+                summary["deformed_inversions"].get<int>());
+  }
+  if (summary.contains("expectations")) {
+    for (const auto& e : summary["expectations"]) {
+      std::printf("expected %s: %s (value %s)\n", e["quantity"].get<std::string>().c_str(),
+                  e["met"].get<bool>() ? "met" : "NOT MET", e["value"].dump().c_str());
+    }
+  }
+  const auto& walls = summary["wall_times"];
+  double total = 0;
+  for (const auto& [phase, seconds] : walls.items()) total += seconds.get<double>();
+  std::printf("%d steps on %d triangles and %d rank%s in %.2f s\n", summary["steps"].get<int>(),
+              summary["n_triangles"].get<int>(), summary["n_ranks"].get<int>(),
+              summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
+  std::printf("files in %s: summary.json, scene.yaml%s%s\n", outcome.folder.c_str(),
+              scene.output.history ? ", history.csv" : "",
+              scene.output.snapshots ? ", snapshots.h5 (open snapshots.xdmf in ParaView)" : "");
+}
+
+}  // namespace
+
+RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
+  RunOutcome outcome;
+  outcome.folder = output_folder(scene, options);
+  std::map<std::string, double> walls;
+  auto mark = Clock::now();
+  const auto book = [&](const std::string& phase) {
+    walls[phase] += seconds_since(mark);
+    mark = Clock::now();
+  };
+  Simulation simulation(comm, scene, scene.output.history);
+  prepare_folder(comm, outcome.folder, options.force);
+  write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved(scene));
+  const std::string summary_path = outcome.folder + "/summary.json";
+  book("set_up");
+  Recorder recorder(comm, simulation, outcome.folder);
+  write_summary(comm, summary_path, summarise(comm, simulation, "running", walls));
+  book("output");
+  {
+    Progress progress(comm, options.quiet);
+    try {
+      while (!simulation.done()) {
+        const StepRecord step = simulation.step();
+        if (simulation.counts().steps == 1) check_unused_options();
+        if (step.sub_steps == 0) continue;
+        book(phase_of(simulation));
+        recorder.record(simulation, step);
+        book("output");
+        if (progress.due()) {
+          progress.update(simulation.fraction(), progress_text(simulation, step));
+        }
+      }
+    } catch (const NumericalError& error) {
+      recorder.finish(simulation);
+      outcome.summary = summarise(comm, simulation, "failed", walls);
+      outcome.summary["error"] = error.what();
+      write_summary(comm, summary_path, outcome.summary);
+      throw;
+    }
+  }
+  recorder.finish(simulation);
+  book("output");
+  outcome.summary = summarise(comm, simulation, "completed", walls);
+  outcome.failed_expectations = check_expectations(scene, outcome.summary);
+  write_summary(comm, summary_path, outcome.summary);
+  if (rank_of(comm) == 0 && !options.quiet) print(scene, outcome);
+  return outcome;
+}
+
+}  // namespace stylet
