@@ -44,7 +44,7 @@ int check_verb(const SceneArguments& arguments) {
 }
 
 int modes_verb(const SceneArguments& arguments, int n) {
-  const Scene scene = load(arguments);
+  const Scene scene = in_needle_frame(load(arguments));
   NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, scene);
   check_against_mesh(scene, numbered.mesh);
   const auto tissue = make_tissue(MPI_COMM_WORLD, scene, numbered);

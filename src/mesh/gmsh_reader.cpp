@@ -59,7 +59,7 @@ void add_cells(const File& file, MeshData& mesh) {
       fail_at(file.name, e.line,
               "unnamed region: " + describe(e, mesh.dim) + " has no physical " +
                   entity_word[mesh.dim] + "; add to the .geo: Physical " + gmsh_word[mesh.dim] +
-                  "(\"name\") = {" + std::to_string(e.entity) + "}");
+                  "(\"name\") = {" + std::to_string(e.entity) + "}, and save without Mesh.SaveAll");
     }
     if (previous != nullptr && previous->number == e.number && previous->line == e.line) {
       fail_at(file.name, e.line,

@@ -75,12 +75,12 @@ void prepare_here(const std::string& path, bool force) {
   if (::access(path.c_str(), W_OK | X_OK) != 0) throw_io_error(path, "cannot be written to");
 }
 
-void write_here(const std::string& path, const std::string& text) {
+void write_here(const std::string& path, const std::string& text, Durable durable) {
   const std::string draft = path + ".tmp";
   try {
     TextFile file(draft);
     file.write(text);
-    file.sync();
+    if (durable == Durable::yes) file.sync();
     file.close();
     if (std::rename(draft.c_str(), path.c_str()) != 0) throw_io_error(path, "cannot be replaced");
   } catch (const Error&) {
@@ -97,9 +97,12 @@ void prepare_folder(MPI_Comm comm, const std::string& path, bool force) {
   });
 }
 
-void write_text_atomically(MPI_Comm comm, const std::string& path, const std::string& text) {
+void write_text_atomically(MPI_Comm comm,
+                           const std::string& path,
+                           const std::string& text,
+                           Durable durable) {
   agree_after(comm, [&] {
-    if (rank_of(comm) == 0) write_here(path, text);
+    if (rank_of(comm) == 0) write_here(path, text, durable);
   });
 }
 

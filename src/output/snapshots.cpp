@@ -302,9 +302,9 @@ void SnapshotWriter::File::write_xdmf() {
   const bool writes = rank_ == 0;
   try {
     write_text_atomically(comm_, folder_ + "/snapshots.xdmf",
-                          writes ? tissue_series_.text() : std::string());
+                          writes ? tissue_series_.text() : std::string(), Durable::no);
     write_text_atomically(comm_, folder_ + "/snapshots_needle.xdmf",
-                          writes ? shape_series_.text() : std::string());
+                          writes ? shape_series_.text() : std::string(), Durable::no);
   } catch (const Error&) {
     h5_.reset();
     throw;

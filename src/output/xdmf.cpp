@@ -26,13 +26,15 @@ std::string time_element(double time) {
   return "<Time Value=\"" + value + "\"/>\n";
 }
 
-/// The node numbers 0, 1, ... of a polyline, back to 0 if it is closed.
-std::string polyline_topology(long long n_points, bool closed) {
-  const std::string n = std::to_string(n_points + (closed ? 1 : 0));
-  std::string text = "<Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" NodesPerElement=\"" +
-                     n + "\"><DataItem Dimensions=\"1 " + n +
-                     "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">";
-  for (long long i = 0; i < n_points; ++i) text += std::to_string(i) + ' ';
+/// Explicit point numbers 0, 1, ... because readers differ in what they assume without them.
+std::string topology(const std::string& type, int n_elements, int n_nodes, bool closed) {
+  const std::string elements = std::to_string(n_elements);
+  const std::string nodes = std::to_string(n_nodes);
+  std::string text = "<Topology TopologyType=\"" + type + "\" NumberOfElements=\"" + elements +
+                     "\" NodesPerElement=\"" + nodes + "\"><DataItem Dimensions=\"" + elements +
+                     ' ' + nodes + "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">";
+  const int n = n_elements * n_nodes - (closed ? 1 : 0);
+  for (int i = 0; i < n; ++i) text += std::to_string(i) + ' ';
   return text + (closed ? "0" : "") + "</DataItem></Topology>\n";
 }
 
@@ -49,7 +51,7 @@ std::string XdmfSeries::data_item(const StoredArray& array) const {
 
 void XdmfSeries::append_grid(const XdmfGrid& grid, const std::string& time) {
   steps_ += "<Grid Name=\"" + escaped(grid.name) + "\" GridType=\"Uniform\">\n" + time;
-  const std::string n_points = std::to_string(grid.points.n_rows);
+  const int n_points = static_cast<int>(grid.points.n_rows);
   switch (grid.shape) {
     case XdmfGrid::Shape::triangles:
       steps_ += "<Topology TopologyType=\"Triangle\" NumberOfElements=\"" +
@@ -57,13 +59,13 @@ void XdmfSeries::append_grid(const XdmfGrid& grid, const std::string& time) {
                 "</Topology>\n";
       break;
     case XdmfGrid::Shape::polyline:
+      steps_ += topology("Polyline", 1, n_points, false);
+      break;
     case XdmfGrid::Shape::closed_polyline:
-      steps_ += polyline_topology(grid.points.n_rows,
-                                  grid.shape == XdmfGrid::Shape::closed_polyline);
+      steps_ += topology("Polyline", 1, n_points + 1, true);
       break;
     case XdmfGrid::Shape::points:
-      steps_ += "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + n_points +
-                "\" NodesPerElement=\"1\"/>\n";
+      steps_ += topology("Polyvertex", n_points, 1, false);
       break;
   }
   steps_ += "<Geometry GeometryType=\"XY\">" + data_item(grid.points) + "</Geometry>\n";

@@ -5,6 +5,7 @@
 #include "stylet/scene/writer.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <set>
 
 namespace stylet {
@@ -92,6 +93,8 @@ class Rules {
       const auto& displacement = scene_.prescribed[i].displacement;
       require(displacement[0] || displacement[1], item("prescribed", i) + ".displacement",
               "at least one component that is not null");
+      require(scene_.needle_angle == std::numbers::pi || (displacement[0] && displacement[1]),
+              item("prescribed", i) + ".displacement", "both components, because needle_angle turns them");
     }
   }
 

@@ -29,7 +29,7 @@ Conditions::Conditions(const Scene& scene, const Mesh& mesh) : scene_(scene) {
           held.insert(2 * node);
         } else {
           throw InputError(scene.file + ": key 'supports." + support.curve +
-                           "': roller needs a boundary parallel to x or y");
+                           "': roller needs a boundary along or across the needle (x or y)");
         }
       }
     }

@@ -1,6 +1,7 @@
 #include "stylet/simulation/model.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/geometry/rotation.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/mesh/embedded_point.hpp"
 #include "stylet/mesh/gmsh_reader.hpp"
@@ -54,6 +55,15 @@ void check_inside(const Scene& scene,
                    at({high[0], high[1]}));
 }
 
+void turn(MeshData& data, const Rotation& rotation) {
+  if (rotation.is_identity()) return;
+  for (std::size_t i = 0; i < data.coordinates.size(); i += 2) {
+    const Vector2 x = rotation.to_needle(Vector2{data.coordinates[i], data.coordinates[i + 1]});
+    data.coordinates[i] = x.x;
+    data.coordinates[i + 1] = x.y;
+  }
+}
+
 // With the key of the scene in front of the mesh's own message.
 template <class Lookup>
 void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
@@ -66,12 +76,32 @@ void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
 
 }  // namespace
 
+Scene in_needle_frame(Scene scene) {
+  const Rotation rotation(scene.needle_angle);
+  if (rotation.is_identity()) return scene;
+  for (auto& target : scene.targets) target.point = rotation.to_needle(target.point);
+  for (auto& probe : scene.probes) probe.point = rotation.to_needle(probe.point);
+  for (auto& body : scene.body_forces) body.force = rotation.to_needle(body.force);
+  for (auto& traction : scene.tractions) traction.force = rotation.to_needle(traction.force);
+  for (auto& prescribed : scene.prescribed) {
+    auto& [x, y] = prescribed.displacement;
+    const Vector2 turned = rotation.to_needle(Vector2{x.value(), y.value()});
+    x = turned.x;
+    y = turned.y;
+  }
+  if (scene.membrane) {
+    for (auto& vertex : scene.membrane->polygon) vertex = rotation.to_needle(vertex);
+  }
+  return scene;
+}
+
 NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene) {
   MeshData data = source_mesh(comm, scene);
   validate(data);
   if (data.dim != 2) {
     throw InputError(data.source + ": a scene needs a mesh of triangles, this one has tetrahedra");
   }
+  turn(data, Rotation(scene.needle_angle));
   if (scene.mesh.refine > 0) data = refine(data, scene.mesh.refine);
   auto numbering = number_nodes(data, size_of(comm));
   std::vector<int> old_cell_of_new;

@@ -51,13 +51,27 @@ std::vector<Column> columns(const Simulation& simulation) {
   return columns;
 }
 
+// Points as the scene has them.
+template <class P>
+std::vector<std::array<double, 2>> plain(const Rotation& turn, const std::vector<P>& points) {
+  std::vector<std::array<double, 2>> out;
+  for (const auto& p : points) {
+    const auto x = turn.to_scene(p);
+    out.push_back({x.x, x.y});
+  }
+  return out;
+}
+
+Vector2 moved(ReferencePoint from, WorldPoint to) { return {to.x - from.x, to.y - from.y}; }
+
 std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
+  const Rotation turn = simulation.rotation();
   std::vector<double> row{step.t};
   const Scene& scene = simulation.scene();
   if (!scene.needles.empty()) {
     const Needle& needle = *simulation.needle();
-    const auto world = needle.axis().at<WorldFrame>(needle.motion().tip());
-    const auto reference = needle.tip_point(simulation.mesh());
+    const auto world = turn.to_scene(needle.axis().at<WorldFrame>(needle.motion().tip()));
+    const auto reference = turn.to_scene(needle.tip_point(simulation.mesh()));
     const auto& forces = step.needle.forces;
     row.insert(row.end(), {world.x, world.y, reference.x, reference.y, forces.tip, forces.friction,
                            forces.total()});
@@ -74,22 +88,16 @@ std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
                          static_cast<double>(step.passes), static_cast<double>(step.iterations)});
   const auto probes = simulation.world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    row.push_back(probes[i].x - scene.probes[i].point.x);
-    row.push_back(probes[i].y - scene.probes[i].point.y);
+    const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
+    row.push_back(u.x);
+    row.push_back(u.y);
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    const Vector2 force = simulation.curve_reaction(i);
+    const Vector2 force = turn.to_scene(simulation.curve_reaction(i));
     row.push_back(force.x);
     row.push_back(force.y);
   }
   return row;
-}
-
-template <class P>
-std::vector<std::array<double, 2>> plain(const std::vector<P>& points) {
-  std::vector<std::array<double, 2>> out;
-  for (const auto& p : points) out.push_back({p.x, p.y});
-  return out;
 }
 
 // 0 free, 1 support, 2 stuck, 3 sliding, 4 tip; by node of the run.
@@ -127,16 +135,20 @@ void add_cell_fields(const Simulation& simulation,
   Field energy{"strain_energy_density", true, 1, std::vector<double>(n), "J/m^3"};
   FlagField region{"region", true, std::vector<int>(n)};
   const Mesh& mesh = simulation.mesh();
+  const Rotation turn = simulation.rotation();
   for (std::size_t i = 0; i < n; ++i) {
     const int c = new_of_old_cell[static_cast<std::size_t>(rows.begin) + i];
     const auto nodes = mesh.cell(c);
-    const LinearSimplex<2> element(
-        {mesh.coordinates(nodes[0]), mesh.coordinates(nodes[1]), mesh.coordinates(nodes[2])});
+    std::array<LinearSimplex<2>::Vector, 3> x{};
     std::array<LinearSimplex<2>::Vector, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto at = 2 * static_cast<std::size_t>(nodes[k]);
-      corners[k] = {u[at], u[at + 1]};
+      const auto point = turn.to_scene(mesh.point(nodes[k]));
+      const Vector2 moved = turn.to_scene(Vector2{u[at], u[at + 1]});
+      x[k] = {point.x, point.y};
+      corners[k] = {moved.x, moved.y};
     }
+    const LinearSimplex<2> element({x[0], x[1], x[2]});
     const auto h = element.displacement_gradient(corners);
     const Moduli m = simulation.tissue().moduli(c);
     const PlaneStress s = plane_stress(h, m, simulation.scene().tissue.plane);
@@ -192,6 +204,7 @@ void Recorder::snapshot(const Simulation& simulation) {
   static const LogEvent event("StyletSnapshot");
   const LogScope scope(event);
   const Mesh& mesh = simulation.mesh();
+  const Rotation turn = simulation.rotation();
   const auto& numbered = simulation.numbered();
   const double t = simulation.state().t;
   const double interval = *simulation.scene().output.snapshots;
@@ -204,7 +217,7 @@ void Recorder::snapshot(const Simulation& simulation) {
   snapshot.phase = needle != nullptr ? name_of(needle->phase()) : "";
   std::vector<double> coordinates(2 * old_of_new_node_.size());
   for (std::size_t i = 0; i < old_of_new_node_.size(); ++i) {
-    const auto x = mesh.point(numbered.new_of_old_node[i]);
+    const auto x = turn.to_scene(mesh.point(numbered.new_of_old_node[i]));
     coordinates[2 * i] = x.x;
     coordinates[2 * i + 1] = x.y;
   }
@@ -228,8 +241,10 @@ void Recorder::snapshot(const Simulation& simulation) {
   FlagField state_field{"node_state", false, {}};
   for (int i = nodes.begin; i < nodes.end; ++i) {
     const auto at = static_cast<std::size_t>(numbered.new_of_old_node[static_cast<std::size_t>(i)]);
-    u_field.values.insert(u_field.values.end(), {u[2 * at], u[2 * at + 1]});
-    v_field.values.insert(v_field.values.end(), {v[2 * at], v[2 * at + 1]});
+    const Vector2 displacement = turn.to_scene(Vector2{u[2 * at], u[2 * at + 1]});
+    const Vector2 velocity = turn.to_scene(Vector2{v[2 * at], v[2 * at + 1]});
+    u_field.values.insert(u_field.values.end(), {displacement.x, displacement.y});
+    v_field.values.insert(v_field.values.end(), {velocity.x, velocity.y});
     state_field.values.push_back(states[at]);
   }
   snapshot.fields.push_back(std::move(u_field));
@@ -242,22 +257,22 @@ void Recorder::snapshot(const Simulation& simulation) {
     constexpr double outside = 0.01;  // m of the needle shown in front of the skin
     const auto& axis = needle->axis();
     snapshot.polylines.push_back(
-        {"needle", plain(std::vector{axis.at<WorldFrame>(needle->motion().skin() - outside),
+        {"needle", plain(turn, std::vector{axis.at<WorldFrame>(needle->motion().skin() - outside),
                                      axis.at<WorldFrame>(needle->motion().tip())}),
          false});
   }
   if (!simulation.membrane().empty()) {
-    snapshot.polylines.push_back({"membrane", plain(simulation.world(simulation.membrane())), true});
+    snapshot.polylines.push_back({"membrane", plain(turn, simulation.world(simulation.membrane())), true});
   }
   if (!simulation.seeds().empty()) {
     std::vector<EmbeddedPoint> places;
     for (const auto& seed : simulation.seeds()) places.push_back(seed.place);
-    snapshot.point_sets.push_back({"seeds", plain(simulation.world(places))});
+    snapshot.point_sets.push_back({"seeds", plain(turn, simulation.world(places))});
   }
   if (!simulation.scene().targets.empty()) {
     std::vector<ReferencePoint> targets;
     for (const auto& target : simulation.scene().targets) targets.push_back(target.point);
-    snapshot.point_sets.push_back({"targets", plain(targets)});
+    snapshot.point_sets.push_back({"targets", plain(turn, targets)});
   }
   snapshots_->write(snapshot);
 }
@@ -267,6 +282,7 @@ ordered_json summarise(MPI_Comm comm,
                        const std::string& status,
                        const std::map<std::string, double>& wall_times) {
   const Scene& scene = simulation.scene();
+  const Rotation turn = simulation.rotation();
   const RunCounts& counts = simulation.counts();
   ordered_json summary;
   summary["status"] = status;
@@ -282,12 +298,12 @@ ordered_json summarise(MPI_Comm comm,
     ordered_json entry;
     entry["needle"] = seed.needle;
     entry["implanted_at"] = seed.time;
-    entry["reference"] = {places[i].x.x, places[i].x.y};
-    entry["world"] = {world[i].x, world[i].y};
+    entry["reference"] = plain(turn, std::vector{places[i].x})[0];
+    entry["world"] = plain(turn, std::vector{world[i]})[0];
     for (const auto& target : scene.targets) {
       if (target.name != seed.target) continue;
       entry["target"] = target.name;
-      entry["target_point"] = {target.point.x, target.point.y};
+      entry["target_point"] = plain(turn, std::vector{target.point})[0];
       entry["placement_error"] = errors[i];
     }
     summary["seeds"].push_back(entry);
@@ -312,11 +328,11 @@ ordered_json summarise(MPI_Comm comm,
   }
   const auto probes = simulation.world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const auto& x = scene.probes[i].point;
-    summary["probes"][scene.probes[i].name] = {probes[i].x - x.x, probes[i].y - x.y};
+    const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
+    summary["probes"][scene.probes[i].name] = {u.x, u.y};
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    const Vector2 force = simulation.curve_reaction(i);
+    const Vector2 force = turn.to_scene(simulation.curve_reaction(i));
     summary["reactions"][scene.prescribed[i].curve] = {force.x, force.y};
   }
   if (const Energies* e = simulation.energies(); e != nullptr) {

@@ -61,7 +61,7 @@ std::vector<EmbeddedPoint> embed(const Mesh& mesh, std::span<const ReferencePoin
 
 Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     : comm_(comm),
-      scene_(std::move(scene)),
+      scene_(in_needle_frame(std::move(scene))),
       numbered_(make_mesh(comm, scene_)),
       conditions_([this]() -> const Scene& {
         check_against_mesh(scene_, numbered_.mesh);

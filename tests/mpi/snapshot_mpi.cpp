@@ -97,8 +97,10 @@ class Example {
     }
     s.polylines = {needle, membrane};
     PointSet seeds{"seeds", {}};
-    if (progress > 0.5) seeds.points = {{0.035 + 0.0065 * (2 * progress - 1), axis}};
-    s.point_sets = {seeds, {"targets", {{0.035, axis}}}};
+    const double drift = 0.0065 * (2 * progress - 1);
+    if (progress > 0.5) seeds.points.push_back({0.035 + drift, axis});
+    if (progress > 0.6) seeds.points.push_back({0.045 + 0.9 * drift, axis});
+    s.point_sets = {seeds, {"targets", {{0.035, axis}, {0.045, axis}}}};
     return s;
   }
 
@@ -143,7 +145,9 @@ void write_example(MPI_Comm comm, const std::string& folder, int columns, int n_
   snapshots.close();
   history.close();
   write_summary(comm, folder + "/summary.json",
-                {{"seeds", {{{"name", "seed 1"}, {"target", "target 1"}, {"placement_error", 0.0065}}}}});
+                {{"seeds",
+                  {{{"target", "target 1"}, {"placement_error", 0.0065}},
+                   {{"target", "target 2"}, {"placement_error", 0.00585}}}}});
 }
 
 /// A folder that all ranks know.

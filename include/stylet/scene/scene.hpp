@@ -9,6 +9,7 @@
 
 #include <array>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,6 +77,8 @@ struct Scene {
   std::vector<BodyForce> body_forces;
   std::vector<Traction> tractions;
   std::vector<PrescribedCurve> prescribed;
+  /// Of the direction in which all needles advance, counter-clockwise from +x (rad).
+  double needle_angle = std::numbers::pi;
   std::vector<NeedleParameters> needles;
   std::optional<MembraneParameters> membrane;
   std::vector<Target> targets;

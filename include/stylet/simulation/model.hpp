@@ -22,7 +22,12 @@ struct NumberedMesh {
   std::vector<int> old_cell_of_new;
 };
 
-/// Collective. Reads or makes, checks, refines and numbers the mesh of a scene. Throws InputError.
+/// The scene in the needle's coordinates (geometry/rotation.hpp): points, loads and displacements;
+/// the mesh is turned by make_mesh.
+[[nodiscard]] Scene in_needle_frame(Scene scene);
+
+/// Collective. Reads or makes, checks, refines, turns and numbers the mesh of a scene. Throws
+/// InputError.
 [[nodiscard]] NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene);
 
 /// Collective. Everything that a scene says of its mesh by name or by place exists: regions, curves,

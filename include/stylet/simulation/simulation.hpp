@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/geometry/rotation.hpp"
 #include "stylet/mesh/embedded_point.hpp"
 #include "stylet/needle/motion.hpp"
 #include "stylet/needle/needle.hpp"
@@ -59,7 +60,9 @@ class Simulation {
   /// Collective. Throws NumericalError when the step has no valid answer.
   StepRecord step();
 
+  /// In the needle's coordinates, like everything here; `rotation` leads back to the scene's.
   [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] Rotation rotation() const { return Rotation(scene_.needle_angle); }
   [[nodiscard]] const NumberedMesh& numbered() const { return numbered_; }
   [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
   [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
