@@ -48,9 +48,10 @@ std::vector<std::string> split(std::span<char*> arguments, std::vector<char*>& f
 
 // PETSc has options that change more than solvers, or read files.
 void refuse_other_options(std::span<char* const> options) {
-  constexpr std::array allowed{"-ksp_", "-pc_",   "-sub_", "-mg_",    "-mat_mumps_",
-                               "-eps_", "-st_",   "-log_", "-options_left", "-mat_superlu_dist_",
-                               "-mat_cholmod_"};
+  constexpr std::array allowed{
+      "-ksp_",        "-pc_", "-sub_", "-mg_",          "-mat_mumps_",
+      "-eps_",        "-st_", "-log_", "-options_left", "-mat_superlu_dist_",
+      "-mat_cholmod_"};
   for (const std::string_view option : options) {
     const bool is_name = option.size() > 1 && option[0] == '-' && std::isalpha(option[1]) != 0;
     if (!is_name) continue;
@@ -63,8 +64,9 @@ void refuse_other_options(std::span<char* const> options) {
 }
 
 int program(std::vector<std::string> arguments, std::span<char* const> petsc_options) {
-  CLI::App app{"stylet simulates how a needle deforms and cuts soft tissue and where its seeds end "
-               "up."};
+  CLI::App app{
+      "stylet simulates how a needle deforms and cuts soft tissue and where its seeds end "
+      "up."};
   app.name("stylet");
   app.footer(examples);
   app.require_subcommand(1);
@@ -91,7 +93,8 @@ int program(std::vector<std::string> arguments, std::span<char* const> petsc_opt
   CLI::App* modes = app.add_subcommand("modes", "smallest natural frequencies of a scene's tissue");
   modes->add_option("n", n_modes, "how many")->required();
   takes_scene(modes);
-  CLI::App* schema = app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
+  CLI::App* schema =
+      app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
   schema->add_flag("--markdown", markdown, "as a table for the README");
 
   const bool first = rank_of(MPI_COMM_WORLD) == 0;

@@ -15,7 +15,9 @@ namespace stylet {
 
 namespace {
 
-bool prints() { return rank_of(MPI_COMM_WORLD) == 0; }
+bool prints() {
+  return rank_of(MPI_COMM_WORLD) == 0;
+}
 
 Scene load(const SceneArguments& arguments) {
   return load_scene(arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file),

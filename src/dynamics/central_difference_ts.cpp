@@ -23,7 +23,9 @@ struct Data {
   OwnedVec v_half;
 };
 
-Data& data_of(TS ts) { return *static_cast<Data*>(ts->data); }
+Data& data_of(TS ts) {
+  return *static_cast<Data*>(ts->data);
+}
 
 PetscErrorCode step(TS ts) {
   return guard([&] {
@@ -61,7 +63,9 @@ PetscErrorCode create(TS ts) {
 
 }  // namespace
 
-void register_central_difference() { check(TSRegister(central_difference_type, create)); }
+void register_central_difference() {
+  check(TSRegister(central_difference_type, create));
+}
 
 void set_acceleration(TS ts, Acceleration acceleration, Vec a) {
   data_of(ts).acceleration = std::move(acceleration);

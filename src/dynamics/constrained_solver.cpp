@@ -118,8 +118,9 @@ void ConstrainedSolver::factor() {
   PCFailedReason reason = PC_NOERROR;
   check(PCGetFailedReason(inner_.get(), &reason));
   if (reason != PC_NOERROR) {
-    throw NumericalError("the step's operator cannot be factored: it is singular or indefinite (is "
-                         "the tissue supported, and are all elements valid?)");
+    throw NumericalError(
+        "the step's operator cannot be factored: it is singular or indefinite (is "
+        "the tissue supported, and are all elements valid?)");
   }
   stale_ = false;
   ++n_set_ups_;
@@ -139,12 +140,8 @@ int ConstrainedSolver::run(Vec rhs, Vec x, const char* what) {
   return iterations;
 }
 
-ConstrainedSolver::Result ConstrainedSolver::solve(Mat a,
-                                                   Vec b,
-                                                   std::span<const DofValue> given,
-                                                   const MeanCondition* mean,
-                                                   Vec x,
-                                                   Vec reaction) {
+ConstrainedSolver::Result ConstrainedSolver::solve(
+    Mat a, Vec b, std::span<const DofValue> given, const MeanCondition* mean, Vec x, Vec reaction) {
   static const LogEvent event("StyletSolve");
   const LogScope scope(event);
   adopt(a, b);

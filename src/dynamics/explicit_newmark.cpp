@@ -1,6 +1,7 @@
 #include "stylet/dynamics/explicit_newmark.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/dynamics/central_difference_ts.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
@@ -56,11 +57,20 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     bound_[static_cast<std::size_t>(c)] = tissue.element_bound(mesh, c);
   }
   largest_bound_ = *std::ranges::max_element(bound_);
+  const double undamped = safety_ * stylet::stable_step(largest_bound_, 0);
+  constexpr double hopeless = 0.02;
+  if (stable_step() < hopeless * undamped) {
+    throw InputError("key 'tissue.damping.stiffness_factor': " + exact(damping_.stiffness_factor) +
+                     " s would cut the stable explicit step to " + exact(stable_step()) +
+                     " s, from " + exact(undamped) +
+                     " s without it; damp explicit scenes by tissue.damping.mass_factor, or take "
+                     "time.method implicit");
+  }
   register_central_difference();
   check(TSCreate(tissue.comm(), ts_.put()));
   check(TSSetType(ts_.get(), central_difference_type));
   check(TS2SetSolution(ts_.get(), u_.get(), v_.get()));
-  check(TSSetMaxSteps(ts_.get(), PETSC_MAX_INT));
+  check(TSSetMaxSteps(ts_.get(), PETSC_MAX_INT - 1));  // PETSC_MAX_INT counts as not set
   check(TSSetMaxTime(ts_.get(), PETSC_MAX_REAL));
   check(TSSetExactFinalTime(ts_.get(), TS_EXACTFINALTIME_STEPOVER));
   set_acceleration(
@@ -154,7 +164,7 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
   const int first = tissue_.first_dof();
   const double damped = 1 + 0.5 * h_ * damping_.mass_factor;
   const auto keep = [&](int dof) { overridden_.push_back({dof - first, v[dof], a[dof]}); };
-  // Kept in the order of changes and restored likewise: the first record of a dof must win.
+  // The first record of a dof holds its free value; restored in reverse, it is written last.
   for (const auto& [dof, force] : constraints.forces) {
     if (!v.owns(dof)) continue;
     keep(dof);
@@ -170,7 +180,10 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
       if (!v.owns(c.dof)) continue;
       keep(c.dof);
       held.push_back(c.dof);
-      reaction[c.dof] = -mass[c.dof] * damped * a[c.dof];
+      // A given velocity needs the force that changes the free velocity into it over the half step:
+      // with it, sticking and sliding exclude each other. A given position needs C v + K u - f.
+      reaction[c.dof] =
+          mass[c.dof] * damped * (c.velocity ? 2 * (c.value - v[c.dof]) / h_ : -a[c.dof]);
       a[c.dof] = 0;
       v[c.dof] = c.velocity ? c.value : (c.value - u0[c.dof - first]) / h_;
     }
@@ -197,13 +210,18 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
     if (!(sums[3] > 0)) {
       throw NumericalError("the tip condition cannot be met: every node of the tip is held");
     }
-    lambda = -sums[2] / sums[3];
+    const double steady = -sums[2] / sums[3];
     const double wanted = mean.rate + (mean.value - sums[0]) / h_;
     const double impulse = (wanted - sums[1]) / sums[3];
+    lambda = 2 * impulse / h_;
     for (const auto& [dof, weight] : mean.weights) {
       if (!v.owns(dof)) continue;
+      if (mobility(dof) == 0) {
+        reaction[dof] -= lambda * weight;  // the tip's share is not the constraint's
+        continue;
+      }
       keep(dof);
-      a[dof] += lambda * weight * mobility(dof);
+      a[dof] += steady * weight * mobility(dof);
       v[dof] += impulse * weight * mobility(dof);
     }
   }

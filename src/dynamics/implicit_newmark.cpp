@@ -10,9 +10,12 @@ namespace stylet {
 
 StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity) {
   switch (scheme) {
-    case ImplicitScheme::average_acceleration: return {0, 0.25, 0.25, 0.5, 0.5};
-    case ImplicitScheme::backward_euler: return {0, 0, 1, 0, 1};
-    case ImplicitScheme::generalised_alpha: break;
+    case ImplicitScheme::average_acceleration:
+      return {0, 0.25, 0.25, 0.5, 0.5};
+    case ImplicitScheme::backward_euler:
+      return {0, 0, 1, 0, 1};
+    case ImplicitScheme::generalised_alpha:
+      break;
   }
   const double alpha_m = (rho_infinity - 1) / (rho_infinity + 1);
   const double gamma = 0.5 - alpha_m;
@@ -26,14 +29,16 @@ ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& p
       k_(coefficients(parameters.scheme, parameters.rho_infinity)),
       solver_(tissue.comm()) {
   if (!inertia_) k_ = {0, 0, 1, 0, 1};
-  for (OwnedVec* vec : {&u_, &v_, &u_guess_, &v_guess_, &increment_, &rhs_, &rhs_base_, &reaction_,
-                        &work_}) {
+  for (OwnedVec* vec :
+       {&u_, &v_, &u_guess_, &v_guess_, &increment_, &rhs_, &rhs_base_, &reaction_, &work_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
 }
 
-double ImplicitNewmark::stable_step() const { return std::numeric_limits<double>::infinity(); }
+double ImplicitNewmark::stable_step() const {
+  return std::numeric_limits<double>::infinity();
+}
 
 void ImplicitNewmark::begin(State& state, Vec load, double h) {
   state_ = &state;
@@ -43,8 +48,7 @@ void ImplicitNewmark::begin(State& state, Vec load, double h) {
     tissue_.make_tangent({0, 1});
     solver_.forget();
   } else if (inertia_ && h != operator_h_) {
-    tissue_.make_tangent(
-        tissue_.tangent(k_.g1 / (k_.c1 * h), (1 - k_.alpha_m) / (k_.c1 * h * h)));
+    tissue_.make_tangent(tissue_.tangent(k_.g1 / (k_.c1 * h), (1 - k_.alpha_m) / (k_.c1 * h * h)));
     solver_.forget();
   }
   operator_h_ = h;

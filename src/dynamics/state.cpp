@@ -27,8 +27,8 @@ std::vector<std::vector<double>> gather(std::span<const Vec> vectors, std::span<
   }
   if (size_of(comm) > 1) {
     // One rank owns a value and the others add zero: the sum has the owner's bits.
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE,
-                            MPI_SUM, comm));
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, packed.data(), static_cast<int>(packed.size()),
+                            MPI_DOUBLE, MPI_SUM, comm));
   }
   std::vector<std::vector<double>> result(vectors.size());
   for (std::size_t k = 0; k < vectors.size(); ++k) {

@@ -19,8 +19,7 @@ constexpr std::size_t dim = 2;
 
 LinearSimplex<2> simplex(const Mesh& mesh, int cell) {
   const auto n = mesh.cell(cell);
-  return LinearSimplex<2>(
-      {mesh.coordinates(n[0]), mesh.coordinates(n[1]), mesh.coordinates(n[2])});
+  return LinearSimplex<2>({mesh.coordinates(n[0]), mesh.coordinates(n[1]), mesh.coordinates(n[2])});
 }
 
 }  // namespace
@@ -64,8 +63,12 @@ TissueOperator::CellMaterial TissueOperator::material(int cell) const {
   return by_region_[static_cast<std::size_t>(cell_region_[static_cast<std::size_t>(cell)])];
 }
 
-Moduli TissueOperator::moduli(int cell) const { return material(cell).moduli; }
-double TissueOperator::density(int cell) const { return material(cell).density; }
+Moduli TissueOperator::moduli(int cell) const {
+  return material(cell).moduli;
+}
+double TissueOperator::density(int cell) const {
+  return material(cell).density;
+}
 
 void TissueOperator::remix(const Mesh& mesh, std::span<const int> cells) {
   if (!region_map_) return;
@@ -153,8 +156,8 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
       }
     }
     OwnedMat matrix;
-    check(MatCreateAIJ(comm_, 2 * n_owned, 2 * n_owned, n_dofs(), n_dofs(), 0, d.data(), 0, o.data(),
-                       matrix.put()));
+    check(MatCreateAIJ(comm_, 2 * n_owned, 2 * n_owned, n_dofs(), n_dofs(), 0, d.data(), 0,
+                       o.data(), matrix.put()));
     check(MatSetOption(matrix.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
@@ -202,8 +205,8 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
       const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
       lumped += t * m.density * element.lumped_mass();
       for (std::size_t b = 0; b < 3; ++b) {
-        const auto at = static_cast<std::size_t>(
-            std::ranges::lower_bound(coupled, nodes[b]) - coupled.begin());
+        const auto at =
+            static_cast<std::size_t>(std::ranges::lower_bound(coupled, nodes[b]) - coupled.begin());
         const auto block = element.stiffness(a, b, m.moduli);
         for (std::size_t i = 0; i < dim; ++i) {
           for (std::size_t k = 0; k < dim; ++k) {

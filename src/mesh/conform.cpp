@@ -207,7 +207,7 @@ std::vector<int> Fitter::nodes_nearby() const {
       for (int j : mesh_.neighbours(i)) wider.push_back(j);
     }
     std::ranges::sort(wider);
-    wider.erase(std::ranges::unique(wider).begin(), wider.end());
+    wider.erase(std::unique(wider.begin(), wider.end()), wider.end());
     nodes = std::move(wider);
   }
   return nodes;

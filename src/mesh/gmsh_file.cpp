@@ -194,9 +194,7 @@ File read(const std::string& name, const std::string& text) {
     }
     if (section == "$MeshFormat") {
       read_format(in, version);
-    } else if (section == "$Comments") {
-      in.skip_section(section);
-    } else if (version.empty()) {
+    } else if (version.empty() && section != "$Comments") {
       in.fail("expected $MeshFormat, found " + std::string(section));
     } else if (section == "$PhysicalNames") {
       read_names(in, file);

@@ -37,7 +37,7 @@ Graph node_graph(const MeshData& mesh) {
   std::vector<int> all(start.back());
   std::vector<int> fill(start.begin(), start.end() - 1);
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const int* nodes = &mesh.cells[n_corners * c];
+    const int* nodes = mesh.cells.data() + static_cast<std::ptrdiff_t>(n_corners) * c;
     for (int i = 0; i < n_corners; ++i) {
       for (int j = 0; j < n_corners; ++j) {
         if (i != j) all[fill[nodes[i]]++] = nodes[j];

@@ -224,7 +224,7 @@ void add_curve(const Mesh& mesh, const InnerCurve& curve, MeshData& data) {
     }
   }
   std::ranges::sort(edges);
-  edges.erase(std::ranges::unique(edges).begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   double covered = 0;
   double length = 0;
   for (const auto& [a, b] : edges) {

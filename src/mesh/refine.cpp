@@ -21,15 +21,14 @@ std::vector<Edge> edges_of(const MeshData& mesh) {
   std::vector<Edge> edges;
   edges.reserve(mesh.cells.size() + mesh.facet_curve.size());
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const int* t = &mesh.cells[3 * c];
+    const int* t = &mesh.cells[std::size_t{3} * c];
     for (int k = 0; k < 3; ++k) edges.push_back(edge(t[k], t[(k + 1) % 3]));
   }
   for (int f = 0; f < mesh.n_facets(); ++f) {
-    edges.push_back(edge(mesh.facets[2 * f], mesh.facets[2 * f + 1]));
+    edges.push_back(edge(mesh.facets[std::size_t{2} * f], mesh.facets[std::size_t{2} * f + 1]));
   }
   std::ranges::sort(edges);
-  const auto rest = std::ranges::unique(edges);
-  edges.erase(rest.begin(), rest.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   return edges;
 }
 
@@ -54,14 +53,14 @@ MeshData refine_once(const MeshData& coarse) {
   fine.cells.reserve(4 * coarse.cells.size());
   fine.cell_region.reserve(4 * coarse.cell_region.size());
   for (int c = 0; c < coarse.n_cells(); ++c) {
-    const int* t = &coarse.cells[3 * c];
+    const int* t = &coarse.cells[std::size_t{3} * c];
     const int m[3] = {middle(t[0], t[1]), middle(t[1], t[2]), middle(t[2], t[0])};
     const int children[12] = {t[0], m[0], m[2], m[0], t[1], m[1],
                               m[2], m[1], t[2], m[0], m[1], m[2]};
     fine.cells.insert(fine.cells.end(), std::begin(children), std::end(children));
     fine.cell_region.insert(fine.cell_region.end(), 4, coarse.cell_region[c]);
   }
-  for (int f = 0; f < coarse.n_facets(); ++f) {
+  for (std::size_t f = 0; f < coarse.facet_curve.size(); ++f) {
     const int a = coarse.facets[2 * f];
     const int b = coarse.facets[2 * f + 1];
     const int m = middle(a, b);

@@ -208,7 +208,8 @@ void Validator::check_shared(const Side& a, const Side& b) const {
 void Validator::check_facets(const std::vector<Side>& sides) const {
   std::vector<std::pair<std::array<int, 3>, int>> seen;
   for (int f = 0; f < mesh_.n_facets(); ++f) {
-    const auto key = side_of(&mesh_.facets[mesh_.dim * f], -1).key;
+    const auto key =
+        side_of(mesh_.facets.data() + static_cast<std::ptrdiff_t>(mesh_.dim) * f, -1).key;
     const auto found = std::ranges::lower_bound(sides, key, {}, &Side::key);
     if (found == sides.end() || found->key != key) {
       fail("facet " + std::to_string(f + 1) + " of '" + mesh_.curve_names[mesh_.facet_curve[f]] +

@@ -72,8 +72,7 @@ Way widest_way(const Mesh& mesh, int tip, Direction&& direction_in) {
     if (!hit || hit->s <= 0) continue;
     way.hit = *hit;
     way.margin = std::min({hit->fraction, 1 - hit->fraction, tie});
-    const double across =
-        Axis::across(midpoint(mesh.point(way.j), mesh.point(way.k)));
+    const double across = Axis::across(midpoint(mesh.point(way.j), mesh.point(way.k)));
     // Along an edge two cells tie: the one on the higher side wins.
     if (way.margin > best.margin + tie / 2 ||
         (way.margin > best.margin - tie / 2 && across > best_across)) {
@@ -155,8 +154,8 @@ std::optional<HandOver> plan_hand_over(const Mesh& mesh,
     } else {
       const int l = track.behind_tip();
       plan.moves.push_back({node, p, start.at(old_tip)});
-      plan.moves.push_back({old_tip, midpoint(mesh.point(l), p),
-                            interpolate(0.5, start.at(l), start.at(old_tip))});
+      plan.moves.push_back(
+          {old_tip, midpoint(mesh.point(l), p), interpolate(0.5, start.at(l), start.at(old_tip))});
     }
     plan.quality = quality_after(mesh, plan.moves);
     return plan;
@@ -258,10 +257,10 @@ std::optional<EdgeFlip> best_flip(const Mesh& mesh,
       const int mine = n[(i + 2) % 3];
       const int far = mesh.opposite(*other, a, b);
       const double before = std::min(mesh.cell_quality(c), mesh.cell_quality(*other));
-      const double after =
-          std::min(quality(mesh.point(mine), mesh.point(a), mesh.point(far)),
-                   quality(mesh.point(mine), mesh.point(far), mesh.point(b)));
-      if (after > std::max(worth_it * before, before + 1e-3) && after - before > best_gain * (1 + 1e-9)) {
+      const double after = std::min(quality(mesh.point(mine), mesh.point(a), mesh.point(far)),
+                                    quality(mesh.point(mine), mesh.point(far), mesh.point(b)));
+      if (after > std::max(worth_it * before, before + 1e-3) &&
+          after - before > best_gain * (1 + 1e-9)) {
         best_gain = after - before;
         best = EdgeFlip{a, b};
       }

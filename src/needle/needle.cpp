@@ -24,11 +24,16 @@ constexpr double quality_floor = 0.03;
 
 const char* name_of(NeedlePhase phase) {
   switch (phase) {
-    case NeedlePhase::outside: return "outside";
-    case NeedlePhase::inserting: return "inserting";
-    case NeedlePhase::holding: return "holding";
-    case NeedlePhase::retracting: return "retracting";
-    case NeedlePhase::withdrawn: break;
+    case NeedlePhase::outside:
+      return "outside";
+    case NeedlePhase::inserting:
+      return "inserting";
+    case NeedlePhase::holding:
+      return "holding";
+    case NeedlePhase::retracting:
+      return "retracting";
+    case NeedlePhase::withdrawn:
+      break;
   }
   return "withdrawn";
 }
@@ -180,8 +185,9 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
       const int j = base_->j;
       const int k = base_->k;
       if (++tip_changes_ > most_changes || mesh.is_locked_edge(j, k)) {
-        throw stuck("neither node of the edge ahead can become its tip (both are held, or an element "
-                    "would become too thin); refine the mesh or move the needle");
+        throw stuck(
+            "neither node of the edge ahead can become its tip (both are held, or an element "
+            "would become too thin); refine the mesh or move the needle");
       }
       edits.flips.push_back({j, k});
       base_.reset();
@@ -313,8 +319,7 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
 }
 
 bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda) {
-  const double tolerance =
-      gap_tolerance * std::max(std::abs(step_.to - step_.from), 1e-9);
+  const double tolerance = gap_tolerance * std::max(std::abs(step_.to - step_.from), 1e-9);
   switch (tip_) {
     case TipContact::stick: {
       const double f = threshold(mesh);
@@ -345,7 +350,8 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
       tip_ = TipContact::stick;
       return tip_changed();
     }
-    case TipContact::open: break;
+    case TipContact::open:
+      break;
   }
   if (gap(mesh, trial) <= tolerance) return true;
   tip_ = TipContact::stick;
@@ -421,8 +427,9 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
       const auto& node = trial.at(shaft.node);
       const double relative = v - Axis::along(node.v);
       const bool sticks = shaft.contact == Contact::stick;
-      const double force = sticks ? Axis::along(node.reaction)
-                                  : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
+      const double force = sticks
+                               ? Axis::along(node.reaction)
+                               : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
       report.forces.friction += force;
       report.friction_work +=
           force * (step_.to - step_.from - Axis::along(node.u - start.at(shaft.node).u));
@@ -448,8 +455,8 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
       const bool behind = world(i) <= step_.to;
       if (behind && !shaft.attached && parameters_.friction) {
         const double relative = v - Axis::along(trial.at(shaft.node).v);
-        shaft.contact = std::abs(relative) > parameters_.friction->slip_speed ? Contact::slip
-                                                                              : Contact::stick;
+        shaft.contact =
+            std::abs(relative) > parameters_.friction->slip_speed ? Contact::slip : Contact::stick;
         shaft.slip_sign = relative > 0 ? 1 : -1;
       }
       shaft.attached = behind;

@@ -37,9 +37,8 @@ void check_mpi(int code, const char* file, int line) {
   char text[MPI_MAX_ERROR_STRING];
   int length = 0;
   MPI_Error_string(code, text, &length);
-  throw Error(ExitCode::other,
-              "MPI: " + std::string(text, static_cast<std::size_t>(length)) + " (" + file + ":" +
-                  std::to_string(line) + ")");
+  throw Error(ExitCode::other, "MPI: " + std::string(text, static_cast<std::size_t>(length)) +
+                                   " (" + file + ":" + std::to_string(line) + ")");
 }
 
 }  // namespace stylet

@@ -13,7 +13,9 @@ PetscClassId class_id() {
 }
 }  // namespace
 
-LogEvent::LogEvent(const char* name) { check(PetscLogEventRegister(name, class_id(), &id_)); }
+LogEvent::LogEvent(const char* name) {
+  check(PetscLogEventRegister(name, class_id(), &id_));
+}
 
 int event_count(const std::string& name) {
   PetscLogEvent id = 0;

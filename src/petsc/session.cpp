@@ -14,7 +14,8 @@
 
 namespace stylet {
 
-#if defined(PETSC_USE_COMPLEX) || defined(PETSC_USE_64BIT_INDICES) || !defined(PETSC_USE_REAL_DOUBLE)
+#if defined(PETSC_USE_COMPLEX) || defined(PETSC_USE_64BIT_INDICES) || \
+    !defined(PETSC_USE_REAL_DOUBLE)
 #error "Stylet needs PETSc with real double scalars and 32-bit indices"
 #endif
 

@@ -62,7 +62,9 @@ std::vector<std::array<double, 2>> plain(const Rotation& turn, const std::vector
   return out;
 }
 
-Vector2 moved(ReferencePoint from, WorldPoint to) { return {to.x - from.x, to.y - from.y}; }
+Vector2 moved(ReferencePoint from, WorldPoint to) {
+  return {to.x - from.x, to.y - from.y};
+}
 
 std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
   const Rotation turn = simulation.rotation();
@@ -159,7 +161,8 @@ void add_cell_fields(const Simulation& simulation,
     energy.values[i] = strain_energy_density(h, m);
     region.values[i] = mesh.region(c);
   }
-  for (Field* field : {&xx, &yy, &xy, &mises, &energy}) snapshot.fields.push_back(std::move(*field));
+  for (Field* field : {&xx, &yy, &xy, &mises, &energy})
+    snapshot.fields.push_back(std::move(*field));
   snapshot.flags.push_back(std::move(region));
 }
 
@@ -257,12 +260,14 @@ void Recorder::snapshot(const Simulation& simulation) {
     constexpr double outside = 0.01;  // m of the needle shown in front of the skin
     const auto& axis = needle->axis();
     snapshot.polylines.push_back(
-        {"needle", plain(turn, std::vector{axis.at<WorldFrame>(needle->motion().skin() - outside),
-                                     axis.at<WorldFrame>(needle->motion().tip())}),
+        {"needle",
+         plain(turn, std::vector{axis.at<WorldFrame>(needle->motion().skin() - outside),
+                                 axis.at<WorldFrame>(needle->motion().tip())}),
          false});
   }
   if (!simulation.membrane().empty()) {
-    snapshot.polylines.push_back({"membrane", plain(turn, simulation.world(simulation.membrane())), true});
+    snapshot.polylines.push_back(
+        {"membrane", plain(turn, simulation.world(simulation.membrane())), true});
   }
   if (!simulation.seeds().empty()) {
     std::vector<EmbeddedPoint> places;
@@ -346,10 +351,10 @@ ordered_json summarise(MPI_Comm comm,
   summary["n_triangles"] = simulation.mesh().n_cells();
   summary["n_ranks"] = size_of(comm);
   summary["wall_times"] = wall_times;
-  summary["versions"] = {{"stylet", STYLET_VERSION},
-                         {"petsc", std::to_string(PETSC_VERSION_MAJOR) + "." +
-                                       std::to_string(PETSC_VERSION_MINOR) + "." +
-                                       std::to_string(PETSC_VERSION_SUBMINOR)}};
+  summary["versions"] = {
+      {"stylet", STYLET_VERSION},
+      {"petsc", std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) +
+                    "." + std::to_string(PETSC_VERSION_SUBMINOR)}};
   return summary;
 }
 

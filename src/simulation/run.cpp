@@ -85,19 +85,22 @@ void print(const Scene& scene, const RunOutcome& outcome) {
   }
   for (const auto& needle : scene.needles) {
     if (needle.cutting.tip_length == 0) {
-      std::printf("note: needle '%s' has a point tip (tip_length 0): its answer depends on the mesh\n",
-                  needle.name.c_str());
+      std::printf(
+          "note: needle '%s' has a point tip (tip_length 0): its answer depends on the mesh\n",
+          needle.name.c_str());
     }
   }
   if (summary.contains("frozen_contacts") && summary["frozen_contacts"].get<int>() > 0) {
-    std::printf("note: %d contacts kept changing in a step and were left as they were; a smaller "
-                "time.step resolves them\n",
-                summary["frozen_contacts"].get<int>());
+    std::printf(
+        "note: %d contacts kept changing in a step and were left as they were; a smaller "
+        "time.step resolves them\n",
+        summary["frozen_contacts"].get<int>());
   }
   if (summary.contains("deformed_inversions") && summary["deformed_inversions"].get<int>() > 0) {
-    std::printf("note: up to %d deformed elements at the tip were inverted (small-strain theory at "
-                "its limit); a longer tip_length avoids it\n",
-                summary["deformed_inversions"].get<int>());
+    std::printf(
+        "note: up to %d deformed elements at the tip were inverted (small-strain theory at "
+        "its limit); a longer tip_length avoids it\n",
+        summary["deformed_inversions"].get<int>());
   }
   if (summary.contains("expectations")) {
     for (const auto& e : summary["expectations"]) {

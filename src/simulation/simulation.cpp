@@ -63,10 +63,12 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     : comm_(comm),
       scene_(in_needle_frame(std::move(scene))),
       numbered_(make_mesh(comm, scene_)),
-      conditions_([this]() -> const Scene& {
-        check_against_mesh(scene_, numbered_.mesh);
-        return scene_;
-      }(), numbered_.mesh) {
+      conditions_(
+          [this]() -> const Scene& {
+            check_against_mesh(scene_, numbered_.mesh);
+            return scene_;
+          }(),
+          numbered_.mesh) {
   tissue_ = make_tissue(comm, scene_, numbered_);
   if (scene_.time.method == TimeMethod::explicit_newmark) {
     integrator_ = std::make_unique<ExplicitNewmark>(*tissue_, mesh(), scene_.time);
@@ -133,11 +135,12 @@ StepRecord Simulation::step() {
   act_without_time();
   const Needle* needle = this->needle();
   const std::size_t action = done_ ? 0 : motion().index();
-  constexpr double round_off = 1e-9;
   const double wanted = scene_.time.step;
+  double longest = std::min(wanted, integrator_->stable_step());
+  // Sub-steps need not fill the step exactly: the nearest whole number of them does.
   while (!done_ && needle == this->needle() && motion().index() == action &&
-         record.h < wanted * (1 - round_off)) {
-    const double longest = std::min(wanted - record.h, integrator_->stable_step());
+         record.h + 0.5 * longest < wanted) {
+    longest = std::min(wanted, integrator_->stable_step());
     record.h += sub_step(longest, record);
     ++record.sub_steps;
     if (motion().finished()) break;
@@ -281,8 +284,9 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   if (ends_settled && same_action) {
     if (settled()) motion().finish_action();
     if (++settling_steps_ > most_settling_steps) {
-      throw NumericalError("the tissue does not come to rest; give settle a duration or the tissue "
-                           "damping");
+      throw NumericalError(
+          "the tissue does not come to rest; give settle a duration or the tissue "
+          "damping");
     }
   }
   return step.h;
@@ -313,14 +317,14 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
   PetscReal size = 0;
   check(VecNorm(trial.u, NORM_INFINITY, &size));
   if (!std::isfinite(size)) {
-    throw NumericalError("the displacement is no longer finite at t = " +
-                         std::to_string(state_.t + h) + " s");
+    throw NumericalError(
+        "the displacement is no longer finite at t = " + std::to_string(state_.t + h) + " s");
   }
   integrator_->accept();
   if (ledger_) {
     const double dissipated = report.cutting_work + report.friction_work;
-    ledger_->add(*tissue_, state_, h, last_load_.get(), last_load_ ? load_.get() : nullptr, external,
-                 dissipated);
+    ledger_->add(*tissue_, state_, h, last_load_.get(), last_load_ ? load_.get() : nullptr,
+                 external, dissipated);
   }
   if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
 }
@@ -462,7 +466,8 @@ Vector2 Simulation::curve_reaction(std::size_t curve) const {
   std::array<double, 2> total{};
   for (std::size_t k = 0; k < 2; ++k) {
     const Vec vectors[1] = {reaction_.get()};
-    for (const double value : gather(vectors, conditions_.curve_dofs(curve, k))[0]) total[k] += value;
+    for (const double value : gather(vectors, conditions_.curve_dofs(curve, k))[0])
+      total[k] += value;
   }
   return {total[0], total[1]};
 }

@@ -146,8 +146,9 @@ void write_example(MPI_Comm comm, const std::string& folder, int columns, int n_
   history.close();
   write_summary(comm, folder + "/summary.json",
                 {{"seeds",
-                  {{{"target", "target 1"}, {"placement_error", 0.0065}},
-                   {{"target", "target 2"}, {"placement_error", 0.00585}}}}});
+                  {{{"world", {0.0415, 0.032}},
+                    {"target_point", {0.035, 0.032}},
+                    {"placement_error", 0.0065}}}}});
 }
 
 /// A folder that all ranks know.

@@ -5,9 +5,9 @@
 //
 // C_m = mass_factor M is diagonal and implicit; stiffness damping acts at the half-step velocity and
 // lowers the stable step from 2/omega to 2 (sqrt(1 + xi^2) - xi)/omega, xi = stiffness_factor
-// omega / 2. A prescribed dof has a1 = 0 and the given velocity, so that its reaction
-// C v + K u - f does not ring. The mean condition has w . a1 = 0 and a velocity that reaches its value at
-// the end of the next step.
+// omega / 2. A prescribed dof has a1 = 0 and the given velocity, so that its reaction does not ring.
+// The mean condition has w . a1 = 0 and a velocity that reaches its value at the end of the next
+// step. The forces of contact are those that bring the free velocities to the given ones.
 #pragma once
 
 #include "stylet/dynamics/parameters.hpp"

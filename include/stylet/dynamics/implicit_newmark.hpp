@@ -56,11 +56,11 @@ class ImplicitNewmark final : public TimeIntegrator {
   Vec load_ = nullptr;
   double h_ = 0;
   double operator_h_ = 0;
-  OwnedVec u_;         ///< predictor, then displacement of the trial
+  OwnedVec u_;  ///< predictor, then displacement of the trial
   OwnedVec v_;
-  OwnedVec u_guess_;   ///< predictor of the step
+  OwnedVec u_guess_;  ///< predictor of the step
   OwnedVec v_guess_;
-  OwnedVec increment_; ///< u1 - predictor = c1 h^2 a1, the unknown
+  OwnedVec increment_;  ///< u1 - predictor = c1 h^2 a1, the unknown
   OwnedVec rhs_;
   OwnedVec rhs_base_;
   OwnedVec reaction_;

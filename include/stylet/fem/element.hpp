@@ -28,8 +28,8 @@ struct LinearSimplex {
   using Vector = std::array<double, Dim>;
   using Block = std::array<std::array<double, Dim>, Dim>;
 
-  double measure = 0;                     ///< area or volume (m^2, m^3), signed
-  std::array<Vector, n_nodes> gradient{}; ///< of the shape functions (1/m)
+  double measure = 0;                      ///< area or volume (m^2, m^3), signed
+  std::array<Vector, n_nodes> gradient{};  ///< of the shape functions (1/m)
 
   /// x: coordinates of the corners.
   explicit LinearSimplex(const std::array<std::span<const double>, n_nodes>& x) {

@@ -24,7 +24,9 @@ struct PlaneStress {
 
 /// h: displacement gradient; m as plane_moduli gives them. In plane strain
 /// sigma_zz = lambda tr(eps).
-[[nodiscard]] PlaneStress plane_stress(const LinearSimplex<2>::Block& h, const Moduli& m, Plane plane);
+[[nodiscard]] PlaneStress plane_stress(const LinearSimplex<2>::Block& h,
+                                       const Moduli& m,
+                                       Plane plane);
 
 /// Strain energy per volume (J/m^3).
 [[nodiscard]] double strain_energy_density(const LinearSimplex<2>::Block& h, const Moduli& m);

@@ -52,7 +52,9 @@ class TissueOperator {
   [[nodiscard]] Vec lumped_mass() const { return lumped_.get(); }
   /// y = M x. Collective.
   void apply_mass(Vec x, Vec y) const;
-  [[nodiscard]] const std::optional<RayleighDamping>& damping() const { return parameters_.damping; }
+  [[nodiscard]] const std::optional<RayleighDamping>& damping() const {
+    return parameters_.damping;
+  }
   /// shift_a M + shift_v C + K as a combination of M and K (PETSc's I2 tangent).
   [[nodiscard]] Combination tangent(double shift_v, double shift_a) const;
 

@@ -16,9 +16,15 @@ struct Vector2 {
   friend bool operator==(const Vector2&, const Vector2&) = default;
 };
 
-inline double dot(Vector2 a, Vector2 b) { return a.x * b.x + a.y * b.y; }
-inline double cross(Vector2 a, Vector2 b) { return a.x * b.y - a.y * b.x; }
-inline double norm(Vector2 a) { return std::hypot(a.x, a.y); }
+inline double dot(Vector2 a, Vector2 b) {
+  return a.x * b.x + a.y * b.y;
+}
+inline double cross(Vector2 a, Vector2 b) {
+  return a.x * b.y - a.y * b.x;
+}
+inline double norm(Vector2 a) {
+  return std::hypot(a.x, a.y);
+}
 
 /// A point in the frame `Frame` (m).
 template <class Frame>
@@ -45,6 +51,8 @@ Point<Frame> midpoint(Point<Frame> a, Point<Frame> b) {
 }
 
 /// World position of a reference point with displacement u.
-inline WorldPoint displaced(ReferencePoint x, Vector2 u) { return {x.x + u.x, x.y + u.y}; }
+inline WorldPoint displaced(ReferencePoint x, Vector2 u) {
+  return {x.x + u.x, x.y + u.y};
+}
 
 }  // namespace stylet

@@ -24,6 +24,8 @@ struct EmbeddedPoint {
 [[nodiscard]] std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePoint x, int hint = 0);
 
 /// Finds the points again whose cells were touched by an edit.
-void relocate(const Mesh& mesh, std::span<const int> touched_cells, std::vector<EmbeddedPoint>& points);
+void relocate(const Mesh& mesh,
+              std::span<const int> touched_cells,
+              std::vector<EmbeddedPoint>& points);
 
 }  // namespace stylet

@@ -15,16 +15,16 @@ namespace stylet {
 
 /// The tip's place in the mesh at the start of an advance.
 struct AdvanceBase {
-  ReferencePoint p;         ///< tip
-  Vector2 r;                ///< unit direction of advance, F^-1 d normalised
-  int cell = -1;            ///< element ahead
-  int j = -1;               ///< ends of the edge ahead
+  ReferencePoint p;  ///< tip
+  Vector2 r;         ///< unit direction of advance, F^-1 d normalised
+  int cell = -1;     ///< element ahead
+  int j = -1;        ///< ends of the edge ahead
   int k = -1;
-  double distance = 0;      ///< to the edge ahead along r (m)
-  double hand_over = 0;     ///< advance at which the tip hands over (m), <= distance; may be < 0
-  NodeState at_tip;         ///< fields at p and where r meets the edge ahead
+  double distance = 0;   ///< to the edge ahead along r (m)
+  double hand_over = 0;  ///< advance at which the tip hands over (m), <= distance; may be < 0
+  NodeState at_tip;      ///< fields at p and where r meets the edge ahead
   NodeState at_edge;
-  bool fell_back = false;   ///< r is d because F was no help
+  bool fell_back = false;  ///< r is d because F was no help
 };
 
 /// The element ahead of the tip node and the way through it. None if the tip stands at the boundary.
@@ -55,8 +55,8 @@ struct HandOver {
 /// InputError if the axis misses the tissue or meets it at a corner.
 struct Entry {
   int node;
-  int neighbour;      ///< the other end of the boundary edge
-  double fraction;    ///< way from node to neighbour
+  int neighbour;    ///< the other end of the boundary edge
+  double fraction;  ///< way from node to neighbour
   ReferencePoint x;
 };
 [[nodiscard]] Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle);

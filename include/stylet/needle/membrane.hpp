@@ -17,10 +17,11 @@ struct MembraneCrossing {
 
 /// The nearest edge that the segment from p along the unit vector r, of the given length, crosses,
 /// without the edges already punctured by this needle.
-[[nodiscard]] std::optional<MembraneCrossing> first_crossing(std::span<const ReferencePoint> polygon,
-                                                             ReferencePoint p,
-                                                             Vector2 r,
-                                                             double length,
-                                                             const std::set<int>& punctured);
+[[nodiscard]] std::optional<MembraneCrossing> first_crossing(
+    std::span<const ReferencePoint> polygon,
+    ReferencePoint p,
+    Vector2 r,
+    double length,
+    const std::set<int>& punctured);
 
 }  // namespace stylet

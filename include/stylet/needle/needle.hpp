@@ -48,7 +48,7 @@ struct NeedleStepReport {
 
 struct NeedleCounts {
   int hand_overs = 0;
-  int fallbacks = 0;      ///< advances along d because F was no help
+  int fallbacks = 0;  ///< advances along d because F was no help
   int punctures = 0;
   int frozen_contacts = 0;  ///< nodes and tips that reached the bound of contact changes in a step
 };
@@ -130,12 +130,12 @@ class Needle {
   double remaining_ = 0;  ///< still to apply (m)
   bool hand_over_wanted_ = false;
   bool guessing_ = false;  ///< remaining_ is a guess that must not hand over
-  double advanced_ = 0;  ///< over the whole step (m)
+  double advanced_ = 0;    ///< over the whole step (m)
   std::optional<std::pair<double, double>> last_gap_;  ///< (b, gap) for the secant
   std::optional<int> pending_membrane_edge_;
   std::optional<int> membrane_edge_;  ///< the tip stands at this edge, not yet punctured
   std::set<int> punctured_;
-  double pending_ = 0;      ///< advance left for the next step (lagged, m)
+  double pending_ = 0;         ///< advance left for the next step (lagged, m)
   double last_tip_force_ = 0;  ///< N
   int tip_changes_ = 0;
   NeedleCounts counts_;

@@ -57,9 +57,9 @@ struct Probe {
 };
 
 struct OutputParameters {
-  std::string directory;              ///< may be overridden by --output
-  bool history = true;                ///< history.csv
-  std::optional<double> snapshots;    ///< s between snapshots; none: no snapshots.h5
+  std::string directory;            ///< may be overridden by --output
+  bool history = true;              ///< history.csv
+  std::optional<double> snapshots;  ///< s between snapshots; none: no snapshots.h5
 };
 
 /// A number of summary.json (path with dots) and the range it must lie in.

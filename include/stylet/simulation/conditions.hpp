@@ -22,9 +22,7 @@ class Conditions {
   /// Nodal forces (N) at time t, dof = 2 node + component, all nodes. Empty if there is no load.
   [[nodiscard]] std::vector<double> load(const Mesh& mesh, double t) const;
   [[nodiscard]] bool has_body_force() const { return !scene_.body_forces.empty(); }
-  [[nodiscard]] bool has_load() const {
-    return has_body_force() || !scene_.tractions.empty();
-  }
+  [[nodiscard]] bool has_load() const { return has_body_force() || !scene_.tractions.empty(); }
 
   /// Dofs of a prescribed curve (index into Scene::prescribed), by component.
   [[nodiscard]] std::span<const int> curve_dofs(std::size_t curve, std::size_t component) const {

@@ -42,10 +42,10 @@ struct RunCounts {
   long iterations = 0;
   int edge_flips = 0;
   int pattern_rebuilds = 0;
-  int deformed_inversions = 0;  ///< most inverted deformed elements around the tip at a time
-  double worst_quality = 1;     ///< of any element of the reference mesh at any time
-  double stable_step = 0;          ///< s; the smallest of the run; explicit only
-  double peak_needle_force = 0;    ///< N
+  int deformed_inversions = 0;   ///< most inverted deformed elements around the tip at a time
+  double worst_quality = 1;      ///< of any element of the reference mesh at any time
+  double stable_step = 0;        ///< s; the smallest of the run; explicit only
+  double peak_needle_force = 0;  ///< N
   NeedleCounts needle;
 };
 

@@ -178,6 +178,11 @@ TEST(GmshReader, LineEndsOfWindowsAreFine) {
   expect_equal(read_gmsh("a", text), read_gmsh("a", square_41));
 }
 
+TEST(GmshReader, CommentsMayComeFirst) {
+  expect_equal(read_gmsh("a", "$Comments\nany $words\n$EndComments\n" + square_22),
+               read_gmsh("a", square_22));
+}
+
 TEST(GmshReader, ScaleMultipliesCoordinates) {
   const MeshData mesh = read_gmsh("a", square_22, 0.001);
   EXPECT_DOUBLE_EQ(mesh.coordinates[2], 0.001);

@@ -1,0 +1,285 @@
+#!/usr/bin/python3
+"""Pictures of a run: one PNG a snapshot, an animation, and a panel of six moments."""
+
+import argparse
+import json
+import re
+import sys
+from pathlib import Path
+
+try:
+    import h5py
+    import matplotlib
+
+    matplotlib.use("Agg")  # no display needed
+    import matplotlib.pyplot as plt
+    import numpy as np
+    from matplotlib.patheffects import withStroke
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+    from PIL import Image
+except ImportError as error:
+    sys.exit(f"frames.py needs python3-h5py, python3-matplotlib and python3-pil: {error}")
+
+EXAMPLES = """examples:
+  jobs/frames.py out/brachytherapy
+  jobs/frames.py out/brachytherapy --field von_mises --every 5 --dpi 150
+  jobs/frames.py out/brachytherapy --no-gif
+"""
+
+CM = 100.0  # metres to centimetres
+DARK = "#1d2730"
+SEED = "#ff5a36"
+MAX_TRIANGLES_WITH_EDGES = 20000  # more edges would hide the colours
+# Shown name, factor and unit of the fields that have a customary unit of their own.
+SHOWN = {
+    "displacement": ("displacement", 1e3, "mm"),
+    "von_mises": ("von Mises stress", 1e-3, "kPa"),
+    "stress_xx": ("stress xx", 1e-3, "kPa"),
+    "stress_yy": ("stress yy", 1e-3, "kPa"),
+    "stress_xy": ("stress xy", 1e-3, "kPa"),
+}
+
+
+class BadInput(Exception):
+    """Something the user can put right; ends the program with exit code 2."""
+
+
+class Run:
+    """The snapshots of an output folder."""
+
+    def __init__(self, folder, field):
+        self.folder = folder
+        try:
+            self.file = h5py.File(folder / "snapshots.h5", "r")
+        except OSError as error:
+            raise BadInput(f"{folder / 'snapshots.h5'}: cannot be read ({error}); "
+                           "does the scene ask for snapshots?") from None
+        try:
+            self.seeds = json.loads((folder / "summary.json").read_text()).get("seeds", [])
+        except (OSError, ValueError) as error:
+            raise BadInput(f"{folder / 'summary.json'}: cannot be read: {error}") from None
+        self.steps = [self.file[name] for name in sorted(self.file) if name.startswith("step_")]
+        if not self.steps:
+            raise BadInput(f"{folder / 'snapshots.h5'}: holds no snapshot yet")
+        self.field = field
+        self.stored = "u" if field == "displacement" else field
+        if self.stored not in self.steps[0]:
+            names = [n for n, v in self.steps[0].items() if isinstance(v, h5py.Dataset)]
+            raise BadInput(f"--field {field}: the snapshots hold displacement, " + ", ".join(names))
+        unit = text(self.steps[0][self.stored].attrs["unit"])
+        self.label, self.factor, unit = SHOWN.get(field, (field.replace("_", " "), 1.0, unit))
+        self.label += f" ({unit})" if unit else ""
+
+    def points(self, step):
+        """Nodes where they are now, in cm."""
+        mesh = self.file[text(step.attrs["mesh"])]
+        return (mesh["coordinates"][:] + step["u"][:, :2]) * CM
+
+    def triangles(self, step):
+        return self.file[text(step.attrs["mesh"])]["connectivity"][:]
+
+    def values(self, step):
+        values = step[self.stored][:] * self.factor
+        return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+
+    def shape(self, step, kind, name):
+        """Points of a polyline or point set in cm, or none."""
+        found = step.get(f"{kind}/{name}")
+        return np.empty((0, 2)) if found is None else found[:] * CM
+
+    def limits(self):
+        """Colour range and axes that hold all snapshots."""
+        low, high, corners = np.inf, -np.inf, []
+        for step in self.steps:
+            values, points = self.values(step), self.points(step)
+            # The few elements at the tip may be singular; they must not take all the colours.
+            low = min(low, np.percentile(values, 0.5))
+            high = max(high, np.percentile(values, 99.5))
+            corners += [points.min(axis=0), points.max(axis=0)]
+            needle = self.shape(step, "polylines", "needle")
+            corners += list(needle)
+        if low >= 0:
+            low = 0.0
+        elif high > 0:
+            high = max(high, -low)
+            low = -high
+        if high <= low:
+            high = low + 1.0
+        corners = np.array(corners)
+        margin = 0.03 * np.ptp(corners, axis=0).max()
+        return (low, high), corners.min(axis=0) - margin, corners.max(axis=0) + margin
+
+
+def text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+def colour_map(colours):
+    return "RdBu_r" if colours[0] < 0 else "viridis"
+
+
+def draw(axes, run, step, view, *, scale=1.0, final=False):
+    """One moment. `scale` thins lines and markers in small panels."""
+    colours, lower, upper = view
+    points, triangles, values = run.points(step), run.triangles(step), run.values(step)
+    mesh = Triangulation(points[:, 0], points[:, 1], triangles)
+    look = {"cmap": colour_map(colours), "vmin": colours[0], "vmax": colours[1]}
+    if len(values) == len(points):
+        axes.tripcolor(mesh, values, shading="gouraud", **look)
+    else:
+        axes.tripcolor(mesh, facecolors=values, **look)
+    if len(triangles) <= MAX_TRIANGLES_WITH_EDGES:
+        axes.triplot(mesh, color="white", linewidth=0.35 * scale, alpha=0.3)
+
+    membrane = run.shape(step, "polylines", "membrane")
+    if len(membrane):
+        closed = np.vstack([membrane, membrane[:1]])
+        axes.plot(*closed.T, color="white", linewidth=1.8 * scale,
+                  path_effects=[withStroke(linewidth=3.2 * scale, foreground=DARK)])
+    needle = run.shape(step, "polylines", "needle")
+    if len(needle):
+        axes.plot(*needle.T, color="#dfe5ea", linewidth=2.6 * scale, solid_capstyle="butt",
+                  path_effects=[withStroke(linewidth=4.4 * scale, foreground=DARK)], zorder=4)
+    targets = run.shape(step, "point_sets", "targets")
+    axes.plot(*targets.T, "+", color="white", markersize=11 * scale,
+              markeredgewidth=2.2 * scale, zorder=5,
+              path_effects=[withStroke(linewidth=4.2 * scale, foreground=DARK)])
+    seeds = run.shape(step, "point_sets", "seeds")
+    axes.plot(*seeds.T, "s", color=SEED, markersize=6 * scale, markeredgecolor="white",
+              markeredgewidth=0.9 * scale, zorder=6)
+    if final:
+        draw_errors(axes, run, scale)
+
+    axes.set_xlim(lower[0], upper[0])
+    axes.set_ylim(lower[1], upper[1])
+    axes.set_aspect("equal")
+    axes.set_facecolor("#f4f5f6")
+    for locate in (axes.xaxis, axes.yaxis):
+        locate.set_major_locator(MaxNLocator(nbins=5, integer=True))
+    axes.tick_params(labelsize=9 * scale + 1, length=3)
+    phase = text(step.attrs["phase"])
+    axes.set_title(f"{step.attrs['time']:.2f} s" + (f"   {phase}" if phase else ""),
+                   fontsize=11 * scale + 1, color=DARK)
+
+
+def draw_errors(axes, run, scale):
+    """From each target to its seed, with the distance that summary.json gives."""
+    for seed in run.seeds:
+        if "target_point" not in seed or seed.get("placement_error") is None:
+            continue
+        target, place = np.array(seed["target_point"]) * CM, np.array(seed["world"]) * CM
+        axes.plot(*np.array([target, place]).T, color=SEED, linewidth=2 * scale, zorder=5.5,
+                  path_effects=[withStroke(linewidth=3.4 * scale, foreground="white")])
+        axes.annotate(f"{1e3 * seed['placement_error']:.1f} mm", (target + place) / 2,
+                      xytext=(0, 13 * scale), textcoords="offset points", ha="center",
+                      fontsize=10 * scale + 1, color=DARK, zorder=7,
+                      bbox={"boxstyle": "round,pad=0.25", "facecolor": "white",
+                            "edgecolor": "none", "alpha": 0.9})
+
+
+def add_colourbar(figure, axes, run, view, **place):
+    low, high = view[0]
+    scale = plt.cm.ScalarMappable(plt.Normalize(low, high), colour_map(view[0]))
+    # Values outside the range of the colours exist by choice (see Run.limits).
+    bar = figure.colorbar(scale, ax=axes, extend="both" if low < 0 else "max", **place)
+    bar.set_label(run.label)
+    bar.outline.set_visible(False)
+
+
+def size_of_axes(view, width):
+    extent = view[2] - view[1]
+    return width, width * extent[1] / extent[0]
+
+
+def write_frames(run, steps, view, folder, dpi):
+    """Returns the paths of the pictures."""
+    width, height = size_of_axes(view, 6.6)
+    figure, axes = plt.subplots(figsize=(width + 1.9, height + 1.0), layout="constrained")
+    add_colourbar(figure, axes, run, view, pad=0.02, fraction=0.046)
+    paths = []
+    for i, step in enumerate(steps):
+        axes.clear()
+        draw(axes, run, step, view, final=step == run.steps[-1])
+        axes.set_xlabel("x (cm)")
+        axes.set_ylabel("y (cm)")
+        paths.append(folder / f"frame_{i:04d}.png")
+        figure.savefig(paths[-1], dpi=dpi)
+    plt.close(figure)
+    return paths
+
+
+def write_gif(paths, target):
+    pictures = [Image.open(path).convert("RGB") for path in paths]
+    # One palette for all, so that the colours of the colourbar do not flicker.
+    palette = pictures[len(pictures) // 2].quantize(256)
+    pictures = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
+    durations = [120] * (len(pictures) - 1) + [2000]  # ms; the result stays longer
+    pictures[0].save(target, save_all=True, append_images=pictures[1:], duration=durations, loop=0)
+
+
+def six_moments(run):
+    """As in Fig. 1 of the paper: start, insertion, implanted seed, retraction, result."""
+    last = len(run.steps) - 1
+    seeded = next((i for i, s in enumerate(run.steps) if "point_sets/seeds" in s), None)
+    if seeded is None:
+        wanted = np.linspace(0, last, 6)
+    else:
+        wanted = [0, seeded / 3, 2 * seeded / 3, seeded, (seeded + last) / 2, last]
+    return [run.steps[int(round(i))] for i in wanted]
+
+
+def write_panel(run, view, target, dpi):
+    width, height = size_of_axes(view, 4.0)
+    figure, grid = plt.subplots(2, 3, figsize=(3 * width + 1.6, 2 * (height + 0.5)),
+                                sharex=True, sharey=True, layout="constrained")
+    for i, (axes, step) in enumerate(zip(grid.flat, six_moments(run))):
+        draw(axes, run, step, view, scale=0.8, final=i == 5)
+        axes.set_title(f"({'abcdef'[i]})  " + axes.get_title(), fontsize=10, color=DARK)
+    for axes in grid[1]:
+        axes.set_xlabel("x (cm)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("y (cm)")
+    add_colourbar(figure, grid, run, view, pad=0.01, fraction=0.03, aspect=30)
+    figure.savefig(target, dpi=dpi)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, epilog=EXAMPLES,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("outdir", type=Path, help="output folder of a run; pictures go to OUTDIR/frames")
+    parser.add_argument("--field", default="displacement",
+                        help="displacement (default), von_mises or another stored field")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="every Nth snapshot")
+    parser.add_argument("--dpi", type=int, default=110, help="resolution (default 110)")
+    parser.add_argument("--no-gif", action="store_true", help="no animation")
+    options = parser.parse_args()
+    if options.every < 1 or options.dpi < 1:
+        parser.error("--every and --dpi must be at least 1")
+    try:
+        run = Run(options.outdir, options.field)
+        view = run.limits()
+        folder = options.outdir / "frames"
+        folder.mkdir(exist_ok=True)
+        for old in folder.iterdir():
+            if re.fullmatch(r"frame_\d+\.png|overview\.(png|gif)", old.name):
+                old.unlink()
+        # The last snapshot is the result: it is shown whatever the stride.
+        chosen = sorted(set(range(0, len(run.steps), options.every)) | {len(run.steps) - 1})
+        paths = write_frames(run, [run.steps[i] for i in chosen], view, folder, options.dpi)
+        write_panel(run, view, folder / "overview.png", options.dpi)
+        if not options.no_gif:
+            write_gif(paths, folder / "overview.gif")
+    except BadInput as error:
+        print(f"frames.py: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"frames.py: {error}", file=sys.stderr)
+        return 4
+    print(f"{len(paths)} pictures and the overview in {folder}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
