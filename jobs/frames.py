@@ -50,11 +50,14 @@ class Run:
 
     def __init__(self, folder, field):
         self.folder = folder
+        for name in ("snapshots.h5", "summary.json"):
+            if not (folder / name).is_file():
+                raise BadInput(f"{folder / name} is missing; is this the output folder of a run "
+                               "whose scene asks for snapshots?")
         try:
             self.file = h5py.File(folder / "snapshots.h5", "r")
         except OSError as error:
-            raise BadInput(f"{folder / 'snapshots.h5'}: cannot be read ({error}); "
-                           "does the scene ask for snapshots?") from None
+            raise BadInput(f"{folder / 'snapshots.h5'}: cannot be read: {error}") from None
         try:
             self.seeds = json.loads((folder / "summary.json").read_text()).get("seeds", [])
         except (OSError, ValueError) as error:
@@ -130,7 +133,8 @@ def draw(axes, run, step, view, *, scale=1.0, final=False):
     else:
         axes.tripcolor(mesh, facecolors=values, **look)
     if len(triangles) <= MAX_TRIANGLES_WITH_EDGES:
-        axes.triplot(mesh, color="white", linewidth=0.35 * scale, alpha=0.3)
+        colour = DARK if colours[0] < 0 else "white"  # the middle of a signed field is white
+        axes.triplot(mesh, color=colour, linewidth=0.35 * scale, alpha=0.3)
 
     membrane = run.shape(step, "polylines", "membrane")
     if len(membrane):
@@ -209,10 +213,15 @@ def write_frames(run, steps, view, folder, dpi):
     return paths
 
 
-def write_gif(paths, target):
+def write_gif(paths, target, view):
     pictures = [Image.open(path).convert("RGB") for path in paths]
-    # One palette for all, so that the colours of the colourbar do not flicker.
-    palette = pictures[len(pictures) // 2].quantize(256)
+    # One palette for all, so that colours do not flicker; half of its source are the field's own
+    # colours, so that they do not show steps.
+    source = pictures[len(pictures) // 2].copy()
+    colours = plt.get_cmap(colour_map(view[0]))(np.linspace(0, 1, source.height // 2), bytes=True)
+    strip = np.repeat(colours[:, None, :3], source.width, axis=1)
+    source.paste(Image.fromarray(strip), (0, source.height // 2))
+    palette = source.quantize(256)
     pictures = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
     durations = [120] * (len(pictures) - 1) + [2000]  # ms; the result stays longer
     pictures[0].save(target, save_all=True, append_images=pictures[1:], duration=durations, loop=0)
@@ -270,7 +279,7 @@ def main():
         paths = write_frames(run, [run.steps[i] for i in chosen], view, folder, options.dpi)
         write_panel(run, view, folder / "overview.png", options.dpi)
         if not options.no_gif:
-            write_gif(paths, folder / "overview.gif")
+            write_gif(paths, folder / "overview.gif", view)
     except BadInput as error:
         print(f"frames.py: {error}", file=sys.stderr)
         return 2

@@ -1,6 +1,7 @@
 #include "stylet/fem/tissue_operator.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
 #include "stylet/fem/material.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
@@ -265,8 +266,7 @@ bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells
   for (const int cell : touched_cells) {
     for (const int node : mesh.cell(cell)) nodes.push_back(node);
   }
-  std::ranges::sort(nodes);
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  sort_unique(nodes);
   remix(mesh, touched_cells);
   // The mesh is replicated, so every rank can see whether any owner lacks a coupling.
   int lacks = 0;

@@ -1,6 +1,7 @@
 #include "stylet/mesh/mesh.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
 #include "stylet/geometry/triangle.hpp"
 
 #include <algorithm>
@@ -76,8 +77,7 @@ std::vector<int> Mesh::neighbours(int node) const {
   for (const int c : cells_around(node)) {
     for (const int other : cell(c)) nodes.push_back(other);
   }
-  std::ranges::sort(nodes);
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 
@@ -130,8 +130,7 @@ std::vector<int> Mesh::nodes_of(const std::string& curve) const {
     const auto first = data_.facets.begin() + static_cast<std::ptrdiff_t>(f * width);
     nodes.insert(nodes.end(), first, first + static_cast<std::ptrdiff_t>(width));
   }
-  std::ranges::sort(nodes);
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 

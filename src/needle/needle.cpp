@@ -1,6 +1,7 @@
 #include "stylet/needle/needle.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
 #include "stylet/needle/membrane.hpp"
 
 #include <algorithm>
@@ -58,8 +59,7 @@ NeedleEdits Needle::enter(const Entry& entry, const NeedleView& start) {
 std::vector<int> Needle::watched(const Mesh& mesh) const {
   auto nodes = mesh.neighbours(track_.tip());
   for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
-  std::ranges::sort(nodes);
-  nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+  sort_unique(nodes);
   return nodes;
 }
 

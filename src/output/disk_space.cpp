@@ -2,12 +2,11 @@
 
 #include "stylet/output/text_file.hpp"
 
+#include <cerrno>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
-
-#include <cerrno>
 
 namespace stylet {
 

@@ -4,14 +4,13 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <string_view>
+#include <unistd.h>
 #include <vector>
 
 namespace stylet {
@@ -20,9 +19,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 6> own_files = {
-    "history.csv", "snapshots.h5", "snapshots.xdmf", "snapshots_needle.xdmf",
-    "summary.json", "scene.yaml"};
+constexpr std::array<std::string_view, 6> own_files = {"history.csv",    "snapshots.h5",
+                                                       "snapshots.xdmf", "snapshots_needle.xdmf",
+                                                       "summary.json",   "scene.yaml"};
 
 /// frame_0012.png and the overview, as jobs/frames.py names them.
 bool is_own_picture(std::string_view name) {
@@ -32,7 +31,8 @@ bool is_own_picture(std::string_view name) {
   if (!name.starts_with(start) || !name.ends_with(end)) return false;
   name.remove_prefix(start.size());
   name.remove_suffix(std::min(end.size(), name.size()));
-  return !name.empty() && std::ranges::all_of(name, [](unsigned char c) { return std::isdigit(c); });
+  return !name.empty() &&
+         std::ranges::all_of(name, [](unsigned char c) { return std::isdigit(c); });
 }
 
 void remove_file(const fs::path& path) {

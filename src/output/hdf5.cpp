@@ -53,8 +53,9 @@ PendingArray create(hid_t parent,
       H5Dcreate2(parent, name.c_str(), type, space.get(), H5P_DEFAULT, plist.get(), H5P_DEFAULT),
       H5Dclose, name);
   set_attribute(dataset.get(), "unit", unit);
-  return {std::move(dataset), type, static_cast<hsize_t>(rows.begin),
-          static_cast<hsize_t>(rows.size()), shape.n_columns, data};
+  return {
+      std::move(dataset), type, static_cast<hsize_t>(rows.begin), static_cast<hsize_t>(rows.size()),
+      shape.n_columns,    data};
 }
 
 }  // namespace

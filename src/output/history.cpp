@@ -17,7 +17,8 @@ constexpr std::size_t largest_buffer = std::size_t{1} << 20;
 constexpr double largest_whole = 9007199254740992.0;  // 2^53: all whole numbers below are exact
 
 void append_title(std::string& text, const Column& column) {
-  const std::string title = column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
+  const std::string title =
+      column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
   if (title.find_first_of(",\"\n") == std::string::npos) {
     text += title;
     return;
@@ -32,8 +33,9 @@ void append_title(std::string& text, const Column& column) {
 void append_number(std::string& text, double value) {
   std::array<char, 32> digits;  // the longest double has 24 characters
   const bool whole = std::abs(value) < largest_whole && value == std::trunc(value);
-  const auto end = whole ? std::to_chars(digits.begin(), digits.end(), static_cast<long long>(value))
-                         : std::to_chars(digits.begin(), digits.end(), value);
+  const auto end = whole
+                       ? std::to_chars(digits.begin(), digits.end(), static_cast<long long>(value))
+                       : std::to_chars(digits.begin(), digits.end(), value);
   text.append(digits.data(), end.ptr);
 }
 
@@ -51,14 +53,15 @@ HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path, std::vector
   });
 }
 
-HistoryWriter::~HistoryWriter() { hand_over(); }
+HistoryWriter::~HistoryWriter() {
+  hand_over();
+}
 
 void HistoryWriter::write(std::span<const double> row) {
   if (!file_ || failure_) return;
   if (row.size() != n_columns_) {
-    throw Error(ExitCode::other,
-                "history: a row of " + std::to_string(row.size()) + " numbers for " +
-                    std::to_string(n_columns_) + " columns");
+    throw Error(ExitCode::other, "history: a row of " + std::to_string(row.size()) +
+                                     " numbers for " + std::to_string(n_columns_) + " columns");
   }
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (i > 0) buffer_ += ',';

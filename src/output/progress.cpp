@@ -2,12 +2,11 @@
 
 #include "stylet/petsc/session.hpp"
 
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 namespace stylet {
 
@@ -59,7 +58,9 @@ Progress::~Progress() {
   if (line_open_) std::fputc('\n', out_);  // an error message must not start in our line
 }
 
-bool Progress::due() const { return active_ && Clock::now() >= next_; }
+bool Progress::due() const {
+  return active_ && Clock::now() >= next_;
+}
 
 void Progress::update(double fraction, std::string_view text) {
   if (!active_) return;

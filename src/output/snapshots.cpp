@@ -4,6 +4,7 @@
 #include "stylet/output/disk_space.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/hdf5.hpp"
+#include "stylet/output/snapshot_size.hpp"
 #include "stylet/output/xdmf.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
@@ -37,15 +38,6 @@ std::vector<double> with_zero_z(std::span<const double> values) {
   return result;
 }
 
-void check_size(const std::string& name, std::size_t size, Range rows, int components) {
-  const auto n_rows = static_cast<std::size_t>(rows.size());
-  if (components < 1 || components > 3 || size != n_rows * static_cast<std::size_t>(components)) {
-    throw Error(ExitCode::other,
-                "snapshot: field " + name + " has " + std::to_string(size) + " numbers for " +
-                    std::to_string(n_rows) + " rows of " + std::to_string(components));
-  }
-}
-
 }  // namespace
 
 /// The open file, its XDMF companions and what a snapshot has in the making.
@@ -62,10 +54,7 @@ class SnapshotWriter::File {
   [[nodiscard]] int n_written() const { return n_written_; }
 
  private:
-  void check_sizes(const Snapshot& snapshot) const;
   void reserve(const Snapshot& snapshot);
-  [[nodiscard]] std::uint64_t stored_bytes(const Snapshot& snapshot) const;
-  [[nodiscard]] std::uint64_t metadata_bytes(const Snapshot& snapshot) const;
   [[noreturn]] void end_job(const Error& error) const;
   void create_step(const Snapshot& snapshot);
   void create_mesh(const Snapshot& snapshot);
@@ -119,7 +108,7 @@ SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
 
 void SnapshotWriter::File::write(const Snapshot& snapshot) {
   if (!h5_) throw IoError(h5_path_ + ": is closed");
-  agree_after(comm_, [&] { check_sizes(snapshot); });
+  agree_after(comm_, [&] { check_sizes(snapshot, rank_, n_ranks_); });
   reserve(snapshot);
   step_name_ = numbered("step", n_written_);
   try {
@@ -138,7 +127,10 @@ void SnapshotWriter::File::write(const Snapshot& snapshot) {
 void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
   try {
     agree_after(comm_, [&] {
-      if (rank_ == 0) reserve_space(h5_path_, stored_bytes(snapshot) + metadata_bytes(snapshot));
+      if (rank_ != 0) return;
+      const bool with_mesh = mesh_version_ != snapshot.mesh_version;
+      reserve_space(h5_path_,
+                    stored_bytes(snapshot, with_mesh) + metadata_bytes(snapshot, n_written_));
     });
   } catch (const Error&) {
     h5_.reset();
@@ -146,51 +138,11 @@ void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
   }
 }
 
-std::uint64_t SnapshotWriter::File::stored_bytes(const Snapshot& snapshot) const {
-  const std::uint64_t n_nodes = snapshot.coordinates.size() / 2;
-  const std::uint64_t n_cells = snapshot.connectivity.size() / 3;
-  std::uint64_t n_doubles = 0;
-  std::uint64_t n_ints = 0;
-  if (mesh_version_ != snapshot.mesh_version) {
-    n_doubles += snapshot.coordinates.size();
-    n_ints += snapshot.connectivity.size();
-  }
-  for (const Field& field : snapshot.fields) {
-    n_doubles += (field.on_cells ? n_cells : n_nodes) * (field.components == 1 ? 1 : 3);
-  }
-  for (const FlagField& flag : snapshot.flags) n_ints += flag.on_cells ? n_cells : n_nodes;
-  for (const Polyline& line : snapshot.polylines) n_doubles += 2 * line.points.size();
-  for (const PointSet& set : snapshot.point_sets) n_doubles += 2 * set.points.size();
-  return n_doubles * sizeof(double) + n_ints * sizeof(int);
-}
-
-/// Above what HDF5 takes for headers, and for the list of steps, which it copies when it grows.
-std::uint64_t SnapshotWriter::File::metadata_bytes(const Snapshot& snapshot) const {
-  constexpr std::uint64_t per_object = 4096;
-  constexpr std::uint64_t per_step_before = 256;
-  constexpr std::uint64_t n_other_objects = 8;  // groups, mesh
-  const std::uint64_t n_objects = snapshot.fields.size() + snapshot.flags.size() +
-                                  snapshot.polylines.size() + snapshot.point_sets.size() +
-                                  n_other_objects;
-  return n_objects * per_object + static_cast<std::uint64_t>(n_written_) * per_step_before;
-}
-
 /// HDF5 can neither go on nor close a file when a collective write failed on some ranks only: it
 /// hangs or crashes, at the latest when MPI ends. The snapshots before are whole on the disk.
 void SnapshotWriter::File::end_job(const Error& error) const {
   if (rank_ == 0) std::fprintf(stderr, "\n%s\n", error.what());
   abort_job(static_cast<int>(error.code()));
-}
-
-void SnapshotWriter::File::check_sizes(const Snapshot& snapshot) const {
-  const Range nodes = rows(static_cast<int>(snapshot.coordinates.size() / 2));
-  const Range cells = rows(static_cast<int>(snapshot.connectivity.size() / 3));
-  for (const Field& field : snapshot.fields) {
-    check_size(field.name, field.values.size(), field.on_cells ? cells : nodes, field.components);
-  }
-  for (const FlagField& flag : snapshot.flags) {
-    check_size(flag.name, flag.values.size(), flag.on_cells ? cells : nodes, 1);
-  }
 }
 
 void SnapshotWriter::File::create_step(const Snapshot& snapshot) {
@@ -211,8 +163,7 @@ void SnapshotWriter::File::create_mesh(const Snapshot& snapshot) {
   n_cells_ = static_cast<int>(snapshot.connectivity.size() / 3);
   const std::string name = numbered("mesh", n_meshes_++);
   const Hdf5Id mesh = create_group(h5_->get(), name);
-  set_attribute(mesh.get(), "mesh_version",
-                static_cast<unsigned long long>(snapshot.mesh_version));
+  set_attribute(mesh.get(), "mesh_version", static_cast<unsigned long long>(snapshot.mesh_version));
   const Range nodes = rows(n_nodes_);
   const Range cells = rows(n_cells_);
   pending_.push_back(create_array(mesh.get(), "coordinates", "m",
@@ -257,10 +208,12 @@ void SnapshotWriter::File::create_shapes(hid_t step, const Snapshot& snapshot) {
     const Hdf5Id group = create_group(step, "polylines");
     for (const Polyline& line : snapshot.polylines) {
       if (line.points.empty()) continue;
-      const auto shape =
-          line.closed ? XdmfGrid::Shape::closed_polyline : XdmfGrid::Shape::polyline;
-      shapes_.push_back(
-          {line.name, shape, create_points(group.get(), path + "/polylines/", line.name, line.points), {}, {}});
+      const auto shape = line.closed ? XdmfGrid::Shape::closed_polyline : XdmfGrid::Shape::polyline;
+      shapes_.push_back({line.name,
+                         shape,
+                         create_points(group.get(), path + "/polylines/", line.name, line.points),
+                         {},
+                         {}});
       set_attribute(pending_.back().dataset.get(), "closed", line.closed ? 1ULL : 0ULL);
     }
   }
@@ -268,8 +221,11 @@ void SnapshotWriter::File::create_shapes(hid_t step, const Snapshot& snapshot) {
     const Hdf5Id group = create_group(step, "point_sets");
     for (const PointSet& set : snapshot.point_sets) {
       if (set.points.empty()) continue;
-      shapes_.push_back({set.name, XdmfGrid::Shape::points,
-                         create_points(group.get(), path + "/point_sets/", set.name, set.points), {}, {}});
+      shapes_.push_back({set.name,
+                         XdmfGrid::Shape::points,
+                         create_points(group.get(), path + "/point_sets/", set.name, set.points),
+                         {},
+                         {}});
     }
   }
 }
@@ -280,8 +236,8 @@ StoredArray SnapshotWriter::File::create_points(hid_t parent,
                                                 const std::vector<std::array<double, 2>>& points) {
   const int n = static_cast<int>(points.size());
   const Range mine = rank_ == 0 ? Range{0, n} : Range{0, 0};
-  pending_.push_back(create_array(parent, name, "m", {static_cast<hsize_t>(n), 2}, mine,
-                                  points.front().data()));
+  pending_.push_back(
+      create_array(parent, name, "m", {static_cast<hsize_t>(n), 2}, mine, points.front().data()));
   return {path + name, n, 2, false};
 }
 
@@ -325,8 +281,14 @@ SnapshotWriter::~SnapshotWriter() {
   if (std::uncaught_exceptions() > 0) file_->abandon();
 }
 
-void SnapshotWriter::write(const Snapshot& snapshot) { file_->write(snapshot); }
-void SnapshotWriter::close() { file_->close(); }
-int SnapshotWriter::n_written() const { return file_->n_written(); }
+void SnapshotWriter::write(const Snapshot& snapshot) {
+  file_->write(snapshot);
+}
+void SnapshotWriter::close() {
+  file_->close();
+}
+int SnapshotWriter::n_written() const {
+  return file_->n_written();
+}
 
 }  // namespace stylet

@@ -10,11 +10,20 @@ std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
     switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += c;
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
     }
   }
   return result;
@@ -43,8 +52,8 @@ std::string topology(const std::string& type, int n_elements, int n_nodes, bool 
 std::string XdmfSeries::data_item(const StoredArray& array) const {
   std::string extent = std::to_string(array.n_rows);
   if (array.n_columns > 1) extent += ' ' + std::to_string(array.n_columns);
-  const char* type = array.integer ? "NumberType=\"Int\" Precision=\"4\""
-                                   : "NumberType=\"Float\" Precision=\"8\"";
+  const char* type =
+      array.integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"";
   return "<DataItem Dimensions=\"" + extent + "\" " + type + " Format=\"HDF\">" +
          escaped(h5_name_) + ":" + array.path + "</DataItem>";
 }
@@ -78,7 +87,9 @@ void XdmfSeries::append_grid(const XdmfGrid& grid, const std::string& time) {
   steps_ += "</Grid>\n";
 }
 
-void XdmfSeries::add(double time, const XdmfGrid& grid) { append_grid(grid, time_element(time)); }
+void XdmfSeries::add(double time, const XdmfGrid& grid) {
+  append_grid(grid, time_element(time));
+}
 
 void XdmfSeries::add(double time, const std::vector<XdmfGrid>& grids) {
   steps_ += "<Grid Name=\"parts\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" +

@@ -51,7 +51,7 @@ void abort_job(int exit_code) {
 namespace {
 
 void fail(int code, const std::string& message) {
-  MPI_Request request;
+  MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibarrier(MPI_COMM_WORLD, &request);
   int all_here = 0;
   constexpr int most_looks = 200;

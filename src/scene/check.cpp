@@ -94,7 +94,8 @@ class Rules {
       require(displacement[0] || displacement[1], item("prescribed", i) + ".displacement",
               "at least one component that is not null");
       require(scene_.needle_angle == std::numbers::pi || (displacement[0] && displacement[1]),
-              item("prescribed", i) + ".displacement", "both components, because needle_angle turns them");
+              item("prescribed", i) + ".displacement",
+              "both components, because needle_angle turns them");
     }
   }
 

@@ -194,9 +194,9 @@ Codec<Scene> scene() {
              "How named boundaries are held; the others are free."),
        group("loads", loads(), "Forces on the tissue."),
        field("prescribed", &S::prescribed, list(prescribed()), "Named curves that are moved."),
-       field("needle_angle", &S::needle_angle,
-             number("rad", {.min = -7, .max = 7}),
-             "Direction in which the needles advance, from +x counter-clockwise; pi: from the right.")
+       field(
+           "needle_angle", &S::needle_angle, number("rad", {.min = -7, .max = 7}),
+           "Direction in which the needles advance, from +x counter-clockwise; pi: from the right.")
            .otherwise("180 degrees"),
        field("needles", &S::needles, list(needle_codec()), "One after the other."),
        field("membrane", &S::membrane, membrane_codec(), "A capsule that has to be punctured."),

@@ -1,6 +1,7 @@
 #include "stylet/simulation/simulation.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/geometry/triangle.hpp"
@@ -374,8 +375,7 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
       flip(*edge);
     }
   }
-  std::ranges::sort(touched);
-  touched.erase(std::ranges::unique(touched).begin(), touched.end());
+  sort_unique(touched);
   const double worst = mesh.worst_quality(touched);
   counts_.worst_quality = std::min(counts_.worst_quality, worst);
   if (worst < quality_floor) {

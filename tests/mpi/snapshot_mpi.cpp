@@ -13,14 +13,13 @@
 #include <mpi.h>
 #include <nlohmann/json.hpp>
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <numbers>
+#include <sys/resource.h>
 #include <vector>
 
 namespace stylet {
@@ -59,7 +58,7 @@ class Example {
     const double sign = progress < 0.5 ? 1 : -0.5;
     Snapshot s;
     s.time = 4 * progress;
-    s.phase = depth == 0 ? (progress < 0.5 ? "outside" : "withdrawn")
+    s.phase = depth == 0         ? (progress < 0.5 ? "outside" : "withdrawn")
               : depth == deepest ? "holding"
               : progress < 0.5   ? "inserting"
                                  : "retracting";
@@ -203,8 +202,7 @@ TEST(SnapshotMpi, FullDiskStopsAllRanks) {
   auto* const handler = std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit limit{std::filesystem::file_size(folder + "/snapshots.h5") + 1000,
-                     before.rlim_max};
+  const rlimit limit{std::filesystem::file_size(folder + "/snapshots.h5") + 1000, before.rlim_max};
   if (rank_of(MPI_COMM_WORLD) == 0) setrlimit(RLIMIT_FSIZE, &limit);  // all must hear of it
   ExitCode code = ExitCode::done;
   try {

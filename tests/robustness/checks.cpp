@@ -23,7 +23,11 @@ std::string number(double value) {
 
 }  // namespace
 
-Watch::Watch(const Simulation& simulation) : area_(total_area(simulation.mesh())) {}
+Watch::Watch(const Simulation& simulation) : area_(total_area(simulation.mesh())) {
+  for (const auto& support : simulation.scene().supports) {
+    for (const int node : simulation.mesh().nodes_of(support.curve)) held_.insert(node);
+  }
+}
 
 std::vector<std::string> Watch::look(const Simulation& simulation, const StepRecord& step) {
   breaches_.clear();
@@ -66,18 +70,18 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
   }
   const Vec vectors[1] = {simulation.state().u.get()};
   const auto u = gather(vectors, dofs)[0];
-  std::set<int> held;  // supports go before the needle
-  for (const auto& support : simulation.scene().supports) {
-    for (const int node : mesh.nodes_of(support.curve)) held.insert(node);
-  }
+  std::set<int> attached;
   const auto nodes = needle.track().nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!nodes[i].attached || held.contains(nodes[i].node)) continue;
+    if (!nodes[i].attached || held_.contains(nodes[i].node)) continue;
+    attached.insert(nodes[i].node);
+    if (!attached_.contains(nodes[i].node)) continue;
     const double off = Axis::across(mesh.point(nodes[i].node)) + u[2 * i + 1] -
                        needle.axis().across_position;
     // Prescribed dofs take their values without a solver; 1e-12 m is round-off of 0.1 m.
     if (std::abs(off) > 1e-12) breach("shaft node " + number(off) + " m off the axis");
   }
+  attached_ = std::move(attached);
   const bool is_explicit = simulation.scene().time.method == TimeMethod::explicit_newmark;
   const auto set = needle.constraints(mesh);
   if (set.mean && !is_explicit) {

@@ -3,6 +3,7 @@
 
 #include "stylet/simulation/simulation.hpp"
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ class Watch {
   void breach(const std::string& what) { breaches_.push_back(what); }
 
   double area_;
+  std::set<int> held_;      ///< nodes of supports, which go before the needle
+  std::set<int> attached_;  ///< at the last look; a node that joins later is on the axis a step later
   std::vector<std::string> breaches_;
 };
 

@@ -22,6 +22,7 @@ class ConstrainedSolver {
   explicit ConstrainedSolver(MPI_Comm comm, double rtol = 1e-11);
   ConstrainedSolver(const ConstrainedSolver&) = delete;
   ConstrainedSolver& operator=(const ConstrainedSolver&) = delete;
+  ~ConstrainedSolver() = default;
 
   struct Result {
     double lambda = 0;

@@ -25,8 +25,8 @@ struct XdmfGrid {
   enum class Shape { triangles, polyline, closed_polyline, points };
   std::string name;
   Shape shape = Shape::triangles;
-  StoredArray points;         ///< 2 columns
-  StoredArray connectivity;   ///< of triangles only
+  StoredArray points;        ///< 2 columns
+  StoredArray connectivity;  ///< of triangles only
   std::vector<XdmfAttribute> attributes;
 };
 

@@ -55,6 +55,7 @@ class Simulation {
   Simulation(MPI_Comm comm, Scene scene, bool track_energy);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
+  ~Simulation() = default;
 
   [[nodiscard]] bool done() const { return done_; }
   /// Collective. Throws NumericalError when the step has no valid answer.

@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
-#include <sys/resource.h>
-
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -15,6 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <sys/resource.h>
 
 namespace stylet::testing {
 

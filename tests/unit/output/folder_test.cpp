@@ -1,7 +1,6 @@
 #include "stylet/output/folder.hpp"
 
 #include "fixture.hpp"
-
 #include <gmock/gmock.h>
 
 #include <sys/stat.h>
@@ -14,8 +13,8 @@ namespace fs = std::filesystem;
 using testing::contents;
 using testing::failure_of;
 using testing::FileSizeLimit;
-using testing::put;
 using ::testing::HasSubstr;
+using testing::put;
 
 class Folder : public testing::FolderTest {};
 

@@ -1,7 +1,6 @@
 #include "stylet/output/history.hpp"
 
 #include "fixture.hpp"
-
 #include <gmock/gmock.h>
 
 #include <array>
@@ -80,7 +79,9 @@ TEST_F(History, FullDiskShowsAtFlush) {
 }
 
 TEST_F(History, DeviceWithoutSpace) {
-  EXPECT_EQ(failure_of([] { HistoryWriter(MPI_COMM_WORLD, "/dev/full", {{"time", "s"}}); }),
+  EXPECT_EQ(failure_of([] {
+              HistoryWriter(MPI_COMM_WORLD, "/dev/full", {{"time", "s"}});
+            }),
             ExitCode::io);
 }
 

@@ -36,8 +36,12 @@ class ProgressTest : public testing::FolderTest {
   }
 };
 
-TEST_F(ProgressTest, IsSparseInALogFile) { EXPECT_EQ(log(false), "done\n"); }
-TEST_F(ProgressTest, SaysNothingIfQuiet) { EXPECT_EQ(log(true), ""); }
+TEST_F(ProgressTest, IsSparseInALogFile) {
+  EXPECT_EQ(log(false), "done\n");
+}
+TEST_F(ProgressTest, SaysNothingIfQuiet) {
+  EXPECT_EQ(log(true), "");
+}
 
 }  // namespace
 

@@ -3,7 +3,6 @@
 #include "stylet/output/hdf5.hpp"
 
 #include "fixture.hpp"
-
 #include <gmock/gmock.h>
 
 #include <cmath>

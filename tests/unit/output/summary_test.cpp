@@ -1,7 +1,6 @@
 #include "stylet/output/summary.hpp"
 
 #include "fixture.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include <cmath>

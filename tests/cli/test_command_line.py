@@ -1,0 +1,88 @@
+"""Arguments: help, --set, and PETSc options after --."""
+
+import unittest
+
+from stylet_cli import BLOCK_SCENE, DONE, NEEDLE_SCENE, CliTest, block_mesh
+
+
+class CommandLine(CliTest):
+    def setUp(self):
+        super().setUp()
+        self.write("block.msh", block_mesh()[0])
+        self.write("block.yaml", BLOCK_SCENE)
+        self.write("scene.yaml", NEEDLE_SCENE)
+
+    def test_help_shows_examples(self):
+        for arguments in (["--help"], ["run", "--help"], ["check", "--help"], ["modes", "--help"]):
+            with self.subTest(arguments=arguments):
+                outcome = self.stylet(*arguments)
+                self.assert_code(outcome, DONE)
+                self.assertIn("Examples:", outcome.out)
+                self.assertIn("stylet run input/prostate.yaml", outcome.out)
+                self.assertIn("Exit codes: 0 done, 2 bad scene or mesh", outcome.out)
+                self.assertEqual(outcome.err, "")
+
+    def test_every_option_of_run_is_explained(self):
+        out = self.stylet("run", "--help").out
+        for option in ("--set", "--output", "--force", "--quiet"):
+            self.assertRegex(out, rf"{option}\b.*\w")
+
+    def test_no_arguments(self):
+        self.assert_refused(self.stylet(), "subcommand is required", "stylet --help")
+
+    def test_unknown_verb_is_named(self):
+        self.assert_refused(self.stylet("rum", "scene.yaml"), "rum", "run", "stylet --help")
+
+    def test_unknown_option_is_named(self):
+        self.assert_refused(self.stylet("run", "scene.yaml", "--outputt"), "--outputt",
+                            "stylet --help")
+
+    def test_set(self):
+        for override, parts in {
+            "time.stepp=1 ms": ["'time.stepp'", "'1 ms'", "nearest known key is 'time.step'"],
+            "step=1 ms": ["'step'", "'time.step'"],
+            "time.step=5": ["'5'", "needs a unit", "> 0 s"],
+            "time.step=5 N": ["'5 N'", "not convertible to s"],
+            "time.step": ["allowed: key=value"],
+            "=": ["allowed: key=value"],
+            "needles.3.height=1 cm": ["'needles.3'", "no such item", "counted from 0"],
+            "mesh.refine=-1": ["'-1'", "whole number >= 0"],
+            "mesh.refine=40": ["refine", "40", "too many triangles"],
+        }.items():
+            with self.subTest(override=override):
+                outcome = self.stylet("check", "scene.yaml", "--set", override)
+                self.assert_refused(outcome, "scene.yaml", *parts)
+
+    def test_set_changes_the_scene(self):
+        outcome = self.stylet("run", "scene.yaml", "--set", "needles.0.motion.0.depth=1 cm",
+                              "--set", "output.snapshots=null")
+        self.assert_code(outcome, DONE)
+        self.assertIn("depth: 0.01 m", (self.folder / "out/scene/scene.yaml").read_text())
+        self.assertFalse((self.folder / "out/scene/snapshots.h5").exists())
+
+    def test_solver_options_are_taken(self):
+        for number, options in enumerate([["-ksp_rtol", "1e-10"], ["-log_view", ":view.txt"],
+                                          ["-ksp_monitor"], ["-ksp_rtol", "1e-10", "-ksp_monitor"]]):
+            with self.subTest(options=options):
+                outcome = self.stylet("run", "block.yaml", "--output", f"out{number}", "--",
+                                      *options)
+                self.assert_code(outcome, DONE)
+
+    def test_unused_petsc_option(self):
+        outcome = self.stylet("run", "block.yaml", "--", "-ksp_tpye", "cg")
+        self.assert_refused(outcome, "-ksp_tpye", "not used by any solver")
+
+    def test_other_petsc_options(self):
+        for option in (["-options_file", "x"], ["-start_in_debugger"], ["-help"],
+                       ["-malloc_dump"], ["-mat_view"]):
+            with self.subTest(option=option):
+                outcome = self.stylet("run", "block.yaml", "--", *option)
+                self.assert_refused(outcome, option[0], "solver options", "-ksp_*")
+
+    def test_unknown_solver_is_bad_input(self):
+        outcome = self.stylet("run", "block.yaml", "--", "-ksp_type", "nonsense")
+        self.assert_refused(outcome, "nonsense")
+
+
+if __name__ == "__main__":
+    unittest.main()
