@@ -64,6 +64,7 @@ std::vector<PrescribedDof> Conditions::prescribed(double t) const {
   // Where a support and a prescribed curve meet, the support holds.
   for (const int dof : held_) values[dof] = 0;
   std::vector<PrescribedDof> dofs;
+  dofs.reserve(values.size());
   for (const auto& [dof, value] : values) dofs.push_back({dof, value});
   return dofs;
 }

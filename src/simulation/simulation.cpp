@@ -61,8 +61,7 @@ std::vector<EmbeddedPoint> embed(const Mesh& mesh, std::span<const ReferencePoin
 }  // namespace
 
 Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
-    : comm_(comm),
-      scene_(in_needle_frame(std::move(scene))),
+    : scene_(in_needle_frame(std::move(scene))),
       numbered_(make_mesh(comm, scene_)),
       conditions_(
           [this]() -> const Scene& {
@@ -466,8 +465,8 @@ Vector2 Simulation::curve_reaction(std::size_t curve) const {
   std::array<double, 2> total{};
   for (std::size_t k = 0; k < 2; ++k) {
     const Vec vectors[1] = {reaction_.get()};
-    for (const double value : gather(vectors, conditions_.curve_dofs(curve, k))[0])
-      total[k] += value;
+    const auto values = gather(vectors, conditions_.curve_dofs(curve, k));
+    for (const double value : values[0]) total[k] += value;
   }
   return {total[0], total[1]};
 }

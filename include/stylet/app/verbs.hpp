@@ -13,9 +13,9 @@ struct SceneArguments {
   std::vector<std::string> overrides;  ///< key=value
 };
 
-int run_verb(const SceneArguments& scene, const RunOptions& options);
-int check_verb(const SceneArguments& scene);
-int modes_verb(const SceneArguments& scene, int n);
+int run_verb(const SceneArguments& arguments, const RunOptions& options);
+int check_verb(const SceneArguments& arguments);
+int modes_verb(const SceneArguments& arguments, int n);
 int schema_verb(bool markdown);
 
 }  // namespace stylet

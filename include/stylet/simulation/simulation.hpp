@@ -97,15 +97,14 @@ class Simulation {
   double sub_step(double longest, StepRecord& record);
   bool edit_for_needle();
   void apply(const NeedleEdits& edits, bool repair);
-  NeedleView start_view(std::span<const int> nodes) const;
-  TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
-  ConstraintSet constraints(const Needle* active) const;
+  [[nodiscard]] NeedleView start_view(std::span<const int> nodes) const;
+  [[nodiscard]] TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
+  [[nodiscard]] ConstraintSet constraints(const Needle* active) const;
   void update_load(double t);
   void accept(const Trial& trial, double h, const NeedleStepReport& report);
   void count_deformed_inversions();
-  bool settled() const;
+  [[nodiscard]] bool settled() const;
 
-  MPI_Comm comm_;
   Scene scene_;
   NumberedMesh numbered_;
   std::unique_ptr<TissueOperator> tissue_;
