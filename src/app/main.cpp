@@ -119,7 +119,9 @@ int program(std::vector<std::string> arguments, std::span<char* const> petsc_opt
 int main(int argc, char** argv) {
   std::vector<char*> for_petsc;
   auto own = split({argv, static_cast<std::size_t>(argc)}, for_petsc);
-  const stylet::Session session(static_cast<int>(for_petsc.size()), for_petsc.data());
+  const std::vector<char*> options(for_petsc.begin() + 1, for_petsc.end());
+  for_petsc.push_back(nullptr);  // as main's own argv ends
+  const stylet::Session session(static_cast<int>(for_petsc.size()) - 1, for_petsc.data());
   return stylet::run_guarded(
-      [&] { return program(std::move(own), std::span(for_petsc).subspan(1)); });
+      [&] { return program(std::move(own), options); });
 }

@@ -142,7 +142,8 @@ class CliTest(unittest.TestCase):
 
     def assert_message(self, outcome, *parts):
         """One message on stderr, with all these parts in it."""
-        self.assertEqual(outcome.err.count("stylet: "), 1, f"one message is expected\n{outcome}")
+        messages = [line for line in outcome.err.splitlines() if line.startswith("stylet: ")]
+        self.assertEqual(len(messages), 1, f"one message is expected\n{outcome}")
         for part in parts:
             self.assertIn(str(part), outcome.err)
         self.assertNotRegex(outcome.err, re.compile("terminate called|MPI_ABORT|PETSC ERROR"))

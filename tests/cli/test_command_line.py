@@ -47,11 +47,14 @@ class CommandLine(CliTest):
             "=": ["allowed: key=value"],
             "needles.3.height=1 cm": ["'needles.3'", "no such item", "counted from 0"],
             "mesh.refine=-1": ["'-1'", "whole number >= 0"],
-            "mesh.refine=40": ["refine", "40", "too many triangles"],
         }.items():
             with self.subTest(override=override):
                 outcome = self.stylet("check", "scene.yaml", "--set", override)
                 self.assert_refused(outcome, "scene.yaml", *parts)
+
+    def test_too_fine_a_mesh_is_refused_before_it_is_made(self):
+        outcome = self.stylet("check", "scene.yaml", "--set", "mesh.refine=40")
+        self.assert_refused(outcome, "refine = 40", "too many triangles", "allowed here: up to")
 
     def test_set_changes_the_scene(self):
         outcome = self.stylet("run", "scene.yaml", "--set", "needles.0.motion.0.depth=1 cm",

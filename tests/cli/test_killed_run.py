@@ -37,7 +37,8 @@ class KilledRun(CliTest):
 
         self.assertEqual(json.loads((out / "summary.json").read_text())["status"], "running")
 
-        rows = list(csv.reader(open(out / "history.csv", newline="")))
+        with open(out / "history.csv", newline="") as file:
+            rows = list(csv.reader(file))
         complete = rows[1:-1]  # the last one may be cut short
         self.assertGreater(len(complete), 100)
         self.assertTrue(all(len(row) == len(rows[0]) for row in complete))
