@@ -22,9 +22,9 @@ except ImportError as error:
     sys.exit(f"frames.py needs python3-h5py, python3-matplotlib and python3-pil: {error}")
 
 EXAMPLES = """examples:
-  jobs/frames.py out/brachytherapy
-  jobs/frames.py out/brachytherapy --field von_mises --every 5 --dpi 150
-  jobs/frames.py out/brachytherapy --no-gif
+  jobs/frames.py out/prostate
+  jobs/frames.py out/prostate --field von_mises --every 5 --dpi 150
+  jobs/frames.py out/prostate --no-gif
 """
 
 CM = 100.0  # metres to centimetres

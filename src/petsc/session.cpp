@@ -6,6 +6,7 @@
 #include <slepcsys.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -24,6 +25,7 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   // Errors are returned and become exceptions (check); PETSc's own traceback would repeat them.
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   check(PetscPopSignalHandler());
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is a failed write, not an end
 }
 
 Session::~Session() {
