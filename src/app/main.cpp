@@ -46,8 +46,9 @@ std::vector<std::string> split(std::span<char*> arguments, std::vector<char*>& f
   return own;
 }
 
-// PETSc has options that change more than solvers, or read files.
-void refuse_other_options(std::span<char* const> options) {
+/// The first option that is none of a solver; empty if there is none. PETSc acts on some of its
+/// options when it starts and has some that change more than solvers, or read files.
+std::string first_other_option(std::span<char* const> options) {
   constexpr std::array allowed{
       "-ksp_",        "-pc_", "-sub_", "-mg_",          "-mat_mumps_",
       "-eps_",        "-st_", "-log_", "-options_left", "-mat_superlu_dist_",
@@ -56,14 +57,24 @@ void refuse_other_options(std::span<char* const> options) {
     const bool is_name = option.size() > 1 && option[0] == '-' && std::isalpha(option[1]) != 0;
     if (!is_name) continue;
     if (std::ranges::none_of(allowed, [&](const char* p) { return option.starts_with(p); })) {
-      throw InputError("PETSc option " + std::string(option) +
-                       " is not one of the solver options -ksp_*, -pc_*, -mg_*, -sub_*, "
-                       "-mat_mumps_*, -eps_*, -st_*, -log_*");
+      return std::string(option);
     }
   }
+  return {};
 }
 
-int program(std::vector<std::string> arguments, std::span<char* const> petsc_options) {
+/// CLI11 would only say that a subcommand is missing.
+void require_known_verb(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments[0].starts_with("-")) return;
+  std::string verbs;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (verb->get_name() == arguments[0]) return;
+    verbs += (verbs.empty() ? "" : ", ") + verb->get_name();
+  }
+  throw InputError("'" + arguments[0] + "' is no verb; allowed: " + verbs + "; see stylet --help");
+}
+
+int program(std::vector<std::string> arguments, const std::string& other_option) {
   CLI::App app{
       "stylet simulates how a needle deforms and cuts soft tissue and where its seeds end "
       "up."};
@@ -97,6 +108,12 @@ int program(std::vector<std::string> arguments, std::span<char* const> petsc_opt
       app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
   schema->add_flag("--markdown", markdown, "as a table for the README");
 
+  if (!other_option.empty()) {
+    throw InputError("PETSc option " + other_option +
+                     " is not one of the solver options -ksp_*, -pc_*, -mg_*, -sub_*, "
+                     "-mat_mumps_*, -eps_*, -st_*, -log_*");
+  }
+  require_known_verb(app, arguments);
   const bool first = rank_of(MPI_COMM_WORLD) == 0;
   try {
     std::ranges::reverse(arguments);  // CLI11 takes them from the back
@@ -107,7 +124,6 @@ int program(std::vector<std::string> arguments, std::span<char* const> petsc_opt
   } catch (const CLI::ParseError& error) {
     throw InputError(std::string(error.what()) + "; see stylet --help");
   }
-  refuse_other_options(petsc_options);
   if (*run) return run_verb(scene, options);
   if (*check) return check_verb(scene);
   if (*modes) return modes_verb(scene, n_modes);
@@ -119,9 +135,10 @@ int program(std::vector<std::string> arguments, std::span<char* const> petsc_opt
 int main(int argc, char** argv) {
   std::vector<char*> for_petsc;
   auto own = split({argv, static_cast<std::size_t>(argc)}, for_petsc);
-  const std::vector<char*> options(for_petsc.begin() + 1, for_petsc.end());
-  for_petsc.push_back(nullptr);  // as main's own argv ends
-  const stylet::Session session(static_cast<int>(for_petsc.size()) - 1, for_petsc.data());
-  return stylet::run_guarded(
-      [&] { return program(std::move(own), options); });
+  const std::string other_option = first_other_option(std::span(for_petsc).subspan(1));
+  if (!other_option.empty()) for_petsc.resize(1);  // PETSc must not see it
+  const int n_for_petsc = static_cast<int>(for_petsc.size());
+  for_petsc.push_back(nullptr);  // as in main: MPI looks for the end
+  const stylet::Session session(n_for_petsc, for_petsc.data());
+  return stylet::run_guarded([&] { return program(std::move(own), other_option); });
 }

@@ -36,10 +36,26 @@ ConstrainedSolver::ConstrainedSolver(MPI_Comm comm, double rtol) : comm_(comm), 
   check(PCShellSetContext(outer, this));
   check(PCShellSetApply(outer, precondition));
   check(KSPSetFromOptions(ksp_.get()));
-  check(PCCreate(comm, inner_.put()));
-  check(PCSetType(inner_.get(), PCCHOLESKY));
-  check(PCFactorSetMatSolverType(inner_.get(),
-                                 size_of(comm) == 1 ? MATSOLVERCHOLMOD : MATSOLVERMUMPS));
+}
+
+// One rank: CHOLMOD. Several: each factors the whole operator with it, so that a solve is one exchange
+// of vectors; a distributed factor waits for the other ranks at every front, which costs more than
+// the arithmetic on small problems. Beyond that the memory of all ranks is needed: MUMPS.
+void ConstrainedSolver::choose_factor(PetscInt n_dofs) {
+  constexpr PetscInt largest_replicated = 200000;
+  check(PCCreate(comm_, inner_.put()));
+  PC factor = inner_.get();
+  const bool replicated = size_of(comm_) > 1 && n_dofs <= largest_replicated;
+  if (replicated) {
+    KSP whole = nullptr;
+    check(PCSetType(inner_.get(), PCREDUNDANT));
+    check(PCRedundantGetKSP(inner_.get(), &whole));
+    check(KSPSetType(whole, KSPPREONLY));
+    check(KSPGetPC(whole, &factor));
+  }
+  check(PCSetType(factor, PCCHOLESKY));
+  check(PCFactorSetMatSolverType(
+      factor, replicated || size_of(comm_) == 1 ? MATSOLVERCHOLMOD : MATSOLVERMUMPS));
 }
 
 PetscErrorCode ConstrainedSolver::multiply(Mat shell, Vec x, Vec y) {
@@ -64,7 +80,8 @@ PetscErrorCode ConstrainedSolver::precondition(PC shell, Vec x, Vec y) {
 }
 
 void ConstrainedSolver::project(Vec x) const {
-  if (prescribed_.empty()) return;
+  // On every rank, also where nothing is prescribed: it invalidates the norm that PETSc remembers,
+  // and ranks that remember different norms part ways in KSPSolve.
   PetscScalar* values = nullptr;
   check(VecGetArray(x, &values));
   for (const PetscInt i : prescribed_) values[i] = 0;
@@ -89,6 +106,7 @@ void ConstrainedSolver::adopt(Mat a, Vec like) {
   check(MatSetOption(eliminated_.get(), MAT_SPD, PETSC_TRUE));
   check(MatSetOption(eliminated_.get(), MAT_SPD_ETERNAL, PETSC_TRUE));
   check(KSPSetOperators(ksp_.get(), shell_.get(), shell_.get()));
+  if (inner_.get() == nullptr) choose_factor(global);
   for (OwnedVec* vec : {&rhs_, &work_, &weights_, &response_, &unit_}) {
     check(VecDuplicate(like, vec->put()));
     check(VecSet(vec->get(), 0));

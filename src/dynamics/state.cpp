@@ -62,10 +62,10 @@ void set_owned(Vec vector, int dof, double value) {
   PetscInt begin = 0;
   PetscInt end = 0;
   check(VecGetOwnershipRange(vector, &begin, &end));
-  if (dof < begin || dof >= end) return;
+  // On every rank: it invalidates the norm that PETSc remembers, which must be so on all or none.
   PetscScalar* values = nullptr;
   check(VecGetArray(vector, &values));
-  values[dof - begin] = value;
+  if (dof >= begin && dof < end) values[dof - begin] = value;
   check(VecRestoreArray(vector, &values));
 }
 

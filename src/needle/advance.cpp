@@ -6,11 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace stylet {
 
 namespace {
+
+// Elements: `good` ones are left alone, `fair` ones are lived with, `least` ones end the run.
+constexpr double good_quality = 0.2;
+constexpr double fair_quality = 0.1;
+constexpr double least_quality = 0.03;
 
 /// The mesh with some nodes moved, without touching it.
 class Overlay {
@@ -83,6 +87,71 @@ Way widest_way(const Mesh& mesh, int tip, Direction&& direction_in) {
   return best;
 }
 
+// The tip goes forward as long as the elements around it keep this quality (or most of what they
+// have): moving along the element ahead can flatten those beside it.
+double reach_of(const Mesh& mesh, int tip, Vector2 r, double distance) {
+  const ReferencePoint p = mesh.point(tip);
+  const auto worst_at = [&](double b) {
+    const NodeEdit edit[1] = {{tip, p + b * r, {}}};
+    return quality_after(mesh, edit);
+  };
+  constexpr double kept = 0.7;
+  const double lowest = std::max(least_quality, std::min(fair_quality, kept * worst_at(0)));
+  constexpr int samples = 20;
+  constexpr double most = 0.95;
+  double reach = 0;
+  for (int i = 1; i <= samples; ++i) {
+    const double b = most * distance * i / samples;
+    if (worst_at(b) < lowest) break;
+    reach = b;
+  }
+  return reach;
+}
+
+// Neighbours of the tip that may take its place: the nearer end of the edge ahead, the other end,
+// then the rest that lies ahead by distance; of two equally near ones the higher.
+std::vector<int> candidates(const Mesh& mesh, const AdvanceBase& base, int tip) {
+  const ReferencePoint p = mesh.point(tip);
+  const auto nearer = [&](int a, int b) {
+    const double da = distance(mesh.point(a), p);
+    const double db = distance(mesh.point(b), p);
+    constexpr double equal = 1e-6;
+    if (std::abs(da - db) > equal * (da + db)) return da < db;
+    return Axis::across(mesh.point(a)) > Axis::across(mesh.point(b));
+  };
+  std::vector<int> nodes{base.j, base.k};
+  if (nearer(base.k, base.j)) std::swap(nodes[0], nodes[1]);
+  std::vector<int> rest;
+  for (const int node : mesh.neighbours(tip)) {
+    if (node == tip || node == base.j || node == base.k) continue;
+    if (dot(mesh.point(node) - p, base.r) > 0) rest.push_back(node);
+  }
+  std::ranges::sort(rest, nearer);
+  nodes.insert(nodes.end(), rest.begin(), rest.end());
+  return nodes;
+}
+
+// Edges of the cells around a node that may be flipped, from above to below.
+std::vector<EdgeFlip> edges_around(const Mesh& mesh, const Track& track, int node) {
+  std::vector<EdgeFlip> edges;
+  for (const int c : mesh.cells_around(node)) {
+    const auto n = mesh.cell(c);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(n[i], n[(i + 1) % 3]);
+      if (mesh.is_locked_edge(a, b) || track.has_edge(a, b)) continue;
+      const auto same = [a = a, b = b](const EdgeFlip& e) { return e.a == a && e.b == b; };
+      if (std::ranges::none_of(edges, same)) edges.push_back({a, b});
+    }
+  }
+  std::ranges::sort(edges, [&](const EdgeFlip& x, const EdgeFlip& y) {
+    const auto mx = midpoint(mesh.point(x.a), mesh.point(x.b));
+    const auto my = midpoint(mesh.point(y.a), mesh.point(y.b));
+    if (Axis::across(mx) != Axis::across(my)) return Axis::across(mx) > Axis::across(my);
+    return Axis::along(mx) > Axis::along(my);
+  });
+  return edges;
+}
+
 }  // namespace
 
 double quality_after(const Mesh& mesh, std::span<const NodeEdit> moves) {
@@ -122,6 +191,7 @@ std::optional<AdvanceBase> find_way(const Mesh& mesh,
   base.distance = way.hit.s;
   base.at_tip = start.at(tip);
   base.at_edge = interpolate(way.hit.fraction, start.at(way.j), start.at(way.k));
+  base.reach = reach_of(mesh, tip, base.r, base.distance);
   if (track.size() == 1) {
     base.hand_over = 0;  // the first cut hands over at once (model.md: the skin is never dented)
     return base;
@@ -145,36 +215,89 @@ std::optional<HandOver> plan_hand_over(const Mesh& mesh,
   const int old_tip = track.tip();
   const ReferencePoint p = mesh.point(old_tip);
   const bool at_skin = track.size() == 1;
-  const auto plan_for = [&](int node) -> std::optional<HandOver> {
-    if (mesh.is_locked(node) || track.holds(node)) return std::nullopt;
-    HandOver plan{node, {}, 0};
+  const LocalMesh patch(mesh, mesh.neighbours(old_tip));
+  // Flips commute with moves, so one before the hand-over stands first among those after it.
+  const auto plan_for = [&](int node, const std::optional<EdgeFlip>& first) {
+    HandOver plan;
+    plan.new_tip = node;
     if (at_skin) {
       const NodeEdit ahead = advanced(base, old_tip, 0.5 * base.distance);
-      plan.moves.push_back({node, ahead.x, ahead.state});
+      plan.edits.moves.push_back({node, ahead.x, ahead.state});
     } else {
       const int l = track.behind_tip();
-      plan.moves.push_back({node, p, start.at(old_tip)});
-      plan.moves.push_back(
+      plan.edits.moves.push_back({node, p, start.at(old_tip)});
+      plan.edits.moves.push_back(
           {old_tip, midpoint(mesh.point(l), p), interpolate(0.5, start.at(l), start.at(old_tip))});
     }
-    plan.quality = quality_after(mesh, plan.moves);
+    LocalMesh copy = patch;
+    Mesh& local = copy.mesh();
+    Track path = copy.local(track);
+    path.push({copy.local(node)});
+    std::vector<int> touched;
+    if (first) {
+      touched = local.cells_with(copy.local(first->a), copy.local(first->b));
+      local.flip_edge(copy.local(first->a), copy.local(first->b));
+      plan.edits.flips.push_back(*first);
+    }
+    for (const auto& move : plan.edits.moves) {
+      local.move_node(copy.local(move.node), move.x);
+      const auto around = local.cells_around(copy.local(move.node));
+      touched.insert(touched.end(), around.begin(), around.end());
+    }
+    for (const auto& edge : repair(local, path, touched, good_quality)) {
+      plan.edits.flips.push_back(copy.global(edge));
+    }
+    plan.quality = local.worst_quality(touched);
     return plan;
   };
-  // The nearer node of the edge ahead (paper); of two equally near ones the higher.
-  int first = base.j;
-  int second = base.k;
-  const double dj = distance(mesh.point(base.j), p);
-  const double dk = distance(mesh.point(base.k), p);
-  constexpr double equal = 1e-6;
-  const bool tied = std::abs(dj - dk) <= equal * (dj + dk);
-  if (tied ? Axis::across(mesh.point(second)) > Axis::across(mesh.point(first)) : dk < dj) {
-    std::swap(first, second);
+  std::optional<HandOver> best;
+  const auto consider = [&](int node, const std::optional<EdgeFlip>& first) {
+    if (mesh.is_locked(node) || track.holds(node)) return;
+    HandOver plan = plan_for(node, first);
+    // Of equally good ones the earlier.
+    if (!best || plan.quality > best->quality + 1e-6) best = std::move(plan);
+  };
+  // The nearer node of the edge ahead (paper), then the other, then all around.
+  const auto nodes = candidates(mesh, base, old_tip);
+  for (const int node : nodes) {
+    consider(node, std::nullopt);
+    const bool enough = best && best->quality >= (node == nodes[0] ? good_quality : fair_quality);
+    if (enough && (node != nodes[0] || best->quality >= good_quality)) break;
   }
-  auto best = plan_for(first);
-  constexpr double good_enough = 0.2;  // below it the other node is tried as well
-  if (!best || best->quality < good_enough) {
-    const auto other = plan_for(second);
-    if (other && (!best || other->quality > best->quality)) best = other;
+  if (best && best->quality >= fair_quality) return best;
+  for (const auto& edge : edges_around(mesh, track, old_tip)) {
+    for (const int node : nodes) {
+      const auto n = patch.mesh().cells_with(patch.local(node), patch.local(old_tip));
+      const bool parted = (edge.a == node && edge.b == old_tip) ||
+                          (edge.b == node && edge.a == old_tip);  // must stay a neighbour
+      if (!n.empty() && !parted) consider(node, edge);
+    }
+  }
+  return best;
+}
+
+std::optional<EdgeFlip> plan_passage(const Mesh& mesh,
+                                     const Track& track,
+                                     const AdvanceBase& base) {
+  const int tip = track.tip();
+  const LocalMesh patch(mesh, mesh.neighbours(tip));
+  std::optional<EdgeFlip> best;
+  constexpr double worth_it = 1.2;
+  double longest = worth_it * base.reach;
+  for (const auto& edge : edges_around(mesh, track, tip)) {
+    LocalMesh copy = patch;
+    Mesh& local = copy.mesh();
+    const auto both = local.cells_with(copy.local(edge.a), copy.local(edge.b));
+    local.flip_edge(copy.local(edge.a), copy.local(edge.b));
+    if (local.worst_quality(both) < least_quality) continue;
+    const int at = copy.local(tip);
+    const Way way = widest_way(local, at, [&](int) { return std::optional<Vector2>(base.r); });
+    if (way.margin < -tie) continue;
+    const double far = reach_of(local, at, base.r, way.hit.s);
+    if (far > longest * (1 + 1e-6)) {
+      longest = far;
+      best = edge;
+    }
   }
   return best;
 }
@@ -206,8 +329,15 @@ Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle) 
     }
   }
   if (!entry) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (int node = 0; node < mesh.n_nodes(); ++node) {
+      low = std::min(low, Axis::across(mesh.point(node)));
+      high = std::max(high, Axis::across(mesh.point(node)));
+    }
     throw InputError("needle '" + needle + "' at height " + std::to_string(y) +
-                     " m misses the tissue");
+                     " m misses the tissue, which spans heights from " + std::to_string(low) +
+                     " m to " + std::to_string(high) + " m");
   }
   // A corner of the tissue must stay where it is: then the other end slides.
   const auto is_corner = [&](int node) {
@@ -231,42 +361,6 @@ Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle) 
     }
   }
   return *entry;
-}
-
-std::optional<EdgeFlip> best_flip(const Mesh& mesh,
-                                  const Track& track,
-                                  std::span<const int> touched_cells,
-                                  double wanted) {
-  const std::set<int> cells(touched_cells.begin(), touched_cells.end());
-  std::optional<EdgeFlip> best;
-  constexpr double worth_it = 1.05;  // a flip must raise the worst quality by this factor
-  double best_gain = 0;
-  for (const int c : cells) {
-    if (mesh.cell_quality(c) >= wanted) continue;
-    const auto n = mesh.cell(c);
-    for (std::size_t i = 0; i < 3; ++i) {
-      const int a = n[i];
-      const int b = n[(i + 1) % 3];
-      const auto other = mesh.across(c, a, b);
-      if (!other || mesh.is_locked_edge(a, b)) continue;
-      const auto nodes = track.nodes();
-      const auto consecutive = [&](const ShaftNode& x, const ShaftNode& y) {
-        return (x.node == a && y.node == b) || (x.node == b && y.node == a);
-      };
-      if (std::ranges::adjacent_find(nodes, consecutive) != nodes.end()) continue;
-      const int mine = n[(i + 2) % 3];
-      const int far = mesh.opposite(*other, a, b);
-      const double before = std::min(mesh.cell_quality(c), mesh.cell_quality(*other));
-      const double after = std::min(quality(mesh.point(mine), mesh.point(a), mesh.point(far)),
-                                    quality(mesh.point(mine), mesh.point(far), mesh.point(b)));
-      if (after > std::max(worth_it * before, before + 1e-3) &&
-          after - before > best_gain * (1 + 1e-9)) {
-        best_gain = after - before;
-        best = EdgeFlip{a, b};
-      }
-    }
-  }
-  return best;
 }
 
 }  // namespace stylet

@@ -14,6 +14,8 @@ namespace {
 
 // A contact node may change its state this often in a step; then it stays as it is and is counted.
 constexpr int most_changes = 8;
+// Flips in a step that only make way for the tip.
+constexpr int most_passages = 20;
 // Of the advance of the needle in a step: what a consistent cut leaves open goes to the next step.
 constexpr double gap_tolerance = 1e-4;
 // Relative slack of force thresholds against round-off of the solver.
@@ -120,9 +122,8 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   phase_ = step.speed() > 0   ? NeedlePhase::inserting
            : step.speed() < 0 ? NeedlePhase::retracting
                               : NeedlePhase::holding;
-  base_.reset();
-  last_gap_.reset();
-  b_ = 0;
+  new_base();
+  passages_ = 0;
   // A tip that keeps cutting will advance about as far as last time.
   const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 &&
                              parameters_.cutting.law == CuttingLaw::consistent;
@@ -148,10 +149,21 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   if (membrane_edge_) remaining_ = 0;
 }
 
+// The next plan looks for the way again, from where the tip then stands.
+void Needle::new_base() {
+  base_.reset();
+  b_ = 0;
+  postponed_ = false;
+  last_gap_.reset();
+  too_short_.reset();
+  too_far_.reset();
+}
+
 // The largest b from base_: hand-over, or the membrane (then pending_membrane_edge_ is set).
 double Needle::cap() {
   pending_membrane_edge_.reset();
-  double limit = std::max(base_->hand_over, b_);
+  const double end = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
+  double limit = std::max(end, b_);
   if (!tissue_.membrane.empty()) {
     const auto crossing =
         first_crossing(tissue_.membrane, base_->p, base_->r, base_->distance, punctured_);
@@ -175,22 +187,30 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     base_ = find_way(mesh, track_, axis_, start);
     if (!base_) throw stuck("its tip has reached the boundary of the tissue");
     if (base_->fell_back) ++counts_.fallbacks;
-    b_ = 0;
-    last_gap_.reset();
   }
   if (hand_over_wanted_ || track_.size() == 1) {
-    const auto hand_over = plan_hand_over(mesh, track_, *base_, start);
-    if (!hand_over || hand_over->quality < quality_floor) {
-      // Another node comes within reach if the edge ahead is flipped.
-      const int j = base_->j;
-      const int k = base_->k;
-      if (++tip_changes_ > most_changes || mesh.is_locked_edge(j, k)) {
+    auto hand_over = plan_hand_over(mesh, track_, *base_, start);
+    const double quality = hand_over ? hand_over->quality : 0;
+    // A poor hand-over waits until the tip has come closer to the edge ahead.
+    constexpr double fair_quality = 0.1;
+    constexpr double further = 0.02;  // of the distance to the edge ahead
+    if (quality < fair_quality && track_.size() > 1 &&
+        base_->reach > b_ + further * base_->distance) {
+      postponed_ = true;
+      hand_over_wanted_ = false;
+      return edits;
+    }
+    if (quality < quality_floor) {
+      // Other nodes come within reach if an edge is flipped.
+      const auto passage = plan_passage(mesh, track_, *base_);
+      if (!passage || ++passages_ > most_passages) {
         throw stuck(
-            "neither node of the edge ahead can become its tip (both are held, or an element "
-            "would become too thin); refine the mesh or move the needle");
+            "no node near its tip can become the next one (they are held, or an element would "
+            "become too thin); refine the mesh or move the needle");
       }
-      edits.flips.push_back({j, k});
-      base_.reset();
+      edits.flips.push_back(*passage);
+      hand_over_wanted_ = false;
+      new_base();
       return edits;
     }
     if (track_.size() == 1) {
@@ -202,10 +222,8 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     const Contact inherited = track_.nodes().back().contact;
     track_.push({hand_over->new_tip, true, inherited, track_.nodes().back().slip_sign, 0});
     ++counts_.hand_overs;
-    base_.reset();
-    b_ = 0;
-    edits.moves = hand_over->moves;
-    return edits;
+    new_base();
+    return hand_over->edits;
   }
   const double limit = cap();
   double to = std::max(0.0, b_ + remaining_);
@@ -280,7 +298,13 @@ double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
 }
 
 bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
-  if (parameters_.friction && !review_friction(mesh, trial)) return false;
+  if (parameters_.friction && !review_friction(mesh, trial)) {
+    // Another contact, another gap.
+    last_gap_.reset();
+    too_short_.reset();
+    too_far_.reset();
+    return false;
+  }
   return review_tip(mesh, trial, lambda);
 }
 
@@ -334,8 +358,7 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
         punctured_.insert(*membrane_edge_);
         membrane_edge_.reset();
         ++counts_.punctures;
-        base_.reset();
-        b_ = 0;
+        new_base();
       }
       tip_ = TipContact::cut;
       return false;
@@ -371,24 +394,39 @@ bool Needle::tip_changed() {
   return true;
 }
 
-// Secant on the advance: the gap falls by about as much as the tip advances.
+// Secant on the advance: the gap falls by about as much as the tip advances, but by several times as
+// much where a point tip has squeezed the element ahead. So the secant stays between the last
+// advance that was too short and the last that was too far; where it does not, their middle is taken.
 bool Needle::cut_further(double g) {
   double slope = -1;
-  if (last_gap_ && last_gap_->first != b_) {
-    const double secant = (g - last_gap_->second) / (b_ - last_gap_->first);
+  if (last_gap_ && last_gap_->b != b_) {
+    const double secant = (g - last_gap_->gap) / (b_ - last_gap_->b);
     constexpr double shallowest = -0.3;
-    constexpr double steepest = -3;
-    if (secant < shallowest && secant > steepest) slope = secant;
+    if (secant < shallowest) slope = secant;
   }
   last_gap_ = {b_, g};
-  const double change = -g / slope;
-  if (b_ + change <= 0) {
+  (g > 0 ? too_short_ : too_far_) = last_gap_;
+  double to = b_ - g / slope;
+  if (too_short_ && too_far_) {
+    const double low = std::min(too_short_->b, too_far_->b);
+    const double high = std::max(too_short_->b, too_far_->b);
+    constexpr double inner = 0.01;  // of the bracket: closer to its ends is no progress
+    const double margin = inner * (high - low);
+    if (!(to > low + margin && to < high - margin)) to = 0.5 * (low + high);
+    // The gap jumps inside the bracket (a contact changes there): nothing more to find.
+    constexpr double narrow = 1e-12;  // m
+    if (high - low < narrow) {
+      ++counts_.frozen_contacts;
+      return true;
+    }
+  }
+  if (to <= 0) {
     // Less than nothing to cut: the tip sticks.
     remaining_ = -b_;
     tip_ = TipContact::stick;
     return tip_changed();
   }
-  remaining_ = change;
+  remaining_ = to - b_;
   return false;
 }
 

@@ -8,6 +8,13 @@ bool Track::holds(int node) const {
   return std::ranges::find(nodes_, node, &ShaftNode::node) != nodes_.end();
 }
 
+bool Track::has_edge(int a, int b) const {
+  const auto consecutive = [&](const ShaftNode& x, const ShaftNode& y) {
+    return (x.node == a && y.node == b) || (x.node == b && y.node == a);
+  };
+  return std::ranges::adjacent_find(nodes_, consecutive) != nodes_.end();
+}
+
 std::vector<double> Track::distances(const Mesh& mesh) const {
   std::vector<double> s(nodes_.size(), 0.0);
   for (std::size_t i = nodes_.size(); i-- > 1;) {

@@ -29,7 +29,9 @@ void check(PetscErrorCode code, const char* file, int line) {
   message += text != nullptr ? text : "error " + std::to_string(code);
   if (specific != nullptr && *specific != '\0') message += std::string(": ") + specific;
   message += std::string(" (") + file + ":" + std::to_string(line) + ")";
-  throw Error(ExitCode::other, message);
+  // A name behind -ksp_type or -pc_type that PETSc does not have.
+  const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE;
+  throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
 }
 
 void check_mpi(int code, const char* file, int line) {

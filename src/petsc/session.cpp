@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <string>
 #include <thread>
 
@@ -78,6 +79,9 @@ int run_guarded(const std::function<int()>& body) {
   } catch (const Error& error) {
     fail(static_cast<int>(error.code()), error.what());
     return static_cast<int>(error.code());
+  } catch (const std::bad_alloc&) {
+    fail(EXIT_FAILURE, "not enough memory for this scene; use a coarser mesh or a larger machine");
+    return EXIT_FAILURE;
   } catch (const std::exception& error) {
     fail(EXIT_FAILURE, std::string("internal error: ") + error.what());
     return EXIT_FAILURE;

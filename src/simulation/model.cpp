@@ -74,6 +74,25 @@ void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
   }
 }
 
+void check_inserts(const Mesh& mesh, const NeedleParameters& needle, const Entry& entry) {
+  const double skin = Axis::along(entry.x);
+  double deepest = skin;
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    deepest = std::max(deepest, Axis::along(mesh.point(node)));
+  }
+  for (std::size_t i = 0; i < needle.motion.size(); ++i) {
+    const Action& action = needle.motion[i];
+    if (action.kind != ActionKind::insert) continue;
+    const double end =
+        action.position ? Axis::along_sign * *action.position : skin + action.depth.value_or(0);
+    if (end < deepest) continue;
+    throw InputError("needle '" + needle.name + "', motion." + std::to_string(i) +
+                     ".insert: ends " + std::to_string(end - skin) +
+                     " m behind the entry point; the tissue ends at " +
+                     std::to_string(deepest - skin) + " m");
+  }
+}
+
 }  // namespace
 
 Scene in_needle_frame(Scene scene) {
@@ -133,7 +152,9 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
     check_inside(scene, mesh, "probes", probe.name, probe.point);
   }
   for (const auto& needle : scene.needles) {
-    check_name(scene, "needles", [&] { (void)find_entry(mesh, {needle.height}, needle.name); });
+    check_name(scene, "needles", [&] {
+      check_inserts(mesh, needle, find_entry(mesh, {needle.height}, needle.name));
+    });
   }
 }
 
@@ -162,6 +183,7 @@ std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
 std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& region) {
   const int index = mesh.region_index(region);
   std::map<int, int> next;  // along the outline, the region to the left
+  bool simple = true;
   for (int c = 0; c < mesh.n_cells(); ++c) {
     if (mesh.region(c) != index) continue;
     const auto n = mesh.cell(c);
@@ -169,27 +191,35 @@ std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& 
       const int a = n[i];
       const int b = n[(i + 1) % 3];
       const auto other = mesh.across(c, a, b);
-      if (!other || mesh.region(*other) != index) next[a] = b;
+      if (other && mesh.region(*other) == index) continue;
+      simple = next.emplace(a, b).second && simple;  // false where the region touches itself
     }
   }
-  std::vector<ReferencePoint> outline;
-  if (!next.empty()) {
+  // Curves that turn left go around the region, those that turn right around a hole in it.
+  std::vector<std::vector<ReferencePoint>> around;
+  while (simple && !next.empty()) {
     // Starts at the leftmost node, whatever the numbering.
     const auto first = std::ranges::min_element(next, {}, [&](const auto& edge) {
       const auto x = mesh.point(edge.first);
       return std::pair(x.x, x.y);
     });
-    int node = first->first;
-    do {
-      outline.push_back(mesh.point(node));
-      node = next.at(node);
-    } while (node != first->first && outline.size() <= next.size());
+    std::vector<ReferencePoint> curve;
+    double area = 0;
+    for (auto edge = next.find(first->first); edge != next.end();) {
+      curve.push_back(mesh.point(edge->first));
+      const ReferencePoint to = mesh.point(edge->second);
+      area += cross(curve.back() - curve.front(), to - curve.front());
+      const int node = edge->second;
+      next.erase(edge);
+      edge = next.find(node);
+    }
+    if (area > 0) around.push_back(std::move(curve));
   }
-  if (outline.size() < 3 || outline.size() != next.size()) {
+  if (around.size() != 1) {
     throw InputError(mesh.data().source + ": the outline of region '" + region +
                      "' is not one closed curve, so it cannot be a membrane; give a polygon");
   }
-  return outline;
+  return around.front();
 }
 
 }  // namespace stylet

@@ -9,6 +9,7 @@
 #include <petscversion.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace stylet {
 
@@ -211,7 +212,8 @@ void Recorder::snapshot(const Simulation& simulation) {
   const auto& numbered = simulation.numbered();
   const double t = simulation.state().t;
   const double interval = *simulation.scene().output.snapshots;
-  while (next_snapshot_ <= t * (1 + 1e-9)) next_snapshot_ += interval;
+  constexpr double round_off = 1e-9;
+  next_snapshot_ = (std::floor(t / interval * (1 + round_off)) + 1) * interval;
   last_snapshot_ = t;
 
   Snapshot snapshot;

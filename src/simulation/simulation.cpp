@@ -22,7 +22,6 @@ constexpr int most_passes = 500;
 // ends.
 constexpr double wanted_quality = 0.2;
 constexpr double quality_floor = 0.02;
-constexpr int most_repairs = 20;
 constexpr long most_settling_steps = 1000000;
 
 double estimated_time(const Scene& scene, const Mesh& mesh) {
@@ -332,12 +331,10 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
 bool Simulation::edit_for_needle() {
   bool edited = false;
   while (needle_->wants_edit()) {
-    const std::size_t before = needle_->track().size();
     const auto nodes = needle_->watched(mesh());
     const NeedleEdits edits = needle_->plan(mesh(), start_view(nodes));
     if (edits.empty()) continue;
-    // A trial advance may be taken back; what hands over or flips stays.
-    apply(edits, needle_->track().size() != before || !edits.flips.empty());
+    apply(edits, false);
     edited = true;
   }
   return edited;
@@ -368,11 +365,8 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
   };
   for (const auto& edge : edits.flips) flip(edge);
   if (repair) {
-    for (int i = 0; i < most_repairs; ++i) {
-      const auto edge = best_flip(mesh, needle_->track(), touched, wanted_quality);
-      if (!edge) break;
-      flip(*edge);
-    }
+    counts_.edge_flips +=
+        static_cast<int>(stylet::repair(mesh, needle_->track(), touched, wanted_quality).size());
   }
   sort_unique(touched);
   const double worst = mesh.worst_quality(touched);

@@ -134,13 +134,16 @@ class Editor {
       const int a = mesh_.cell(c)[0];
       const int b = mesh_.cell(c)[1];
       if (mesh_.is_locked_edge(a, b)) continue;
+      // Looked at before it is done: a flip that is taken back leaves the cells in another order.
       const auto both = mesh_.cells_with(a, b);
-      const auto now = mesh_.flip_edge(a, b);
-      if (mesh_.worst_quality(both) > 0.1) {
-        ++n_flips_;
-        return both;
-      }
-      mesh_.flip_edge(now[0], now[1]);
+      const auto near = mesh_.point(mesh_.opposite(c, a, b));
+      const auto far = mesh_.point(mesh_.opposite(both[0] == c ? both[1] : both[0], a, b));
+      const double worst = std::min(quality(near, mesh_.point(a), far),
+                                    quality(near, far, mesh_.point(b)));
+      if (worst < 0.1) continue;
+      mesh_.flip_edge(a, b);
+      ++n_flips_;
+      return both;
     }
   }
   double step() { return 2e-3 * (static_cast<double>(random_()) / random_.max() - 0.5); }

@@ -48,6 +48,7 @@ class ConstrainedSolver {
   static PetscErrorCode multiply(Mat shell, Vec x, Vec y);
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   void adopt(Mat a, Vec like);
+  void choose_factor(PetscInt n_dofs);
   void factor();
   int run(Vec rhs, Vec x, const char* what);
   void project(Vec x) const;

@@ -6,6 +6,7 @@
 
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/axis.hpp"
+#include "stylet/needle/local_mesh.hpp"
 #include "stylet/needle/track.hpp"
 #include "stylet/needle/view.hpp"
 
@@ -21,6 +22,7 @@ struct AdvanceBase {
   int j = -1;        ///< ends of the edge ahead
   int k = -1;
   double distance = 0;   ///< to the edge ahead along r (m)
+  double reach = 0;      ///< advance that the elements around the tip bear (m), < distance
   double hand_over = 0;  ///< advance at which the tip hands over (m), <= distance; may be < 0
   NodeState at_tip;      ///< fields at p and where r meets the edge ahead
   NodeState at_edge;
@@ -37,11 +39,11 @@ struct AdvanceBase {
 [[nodiscard]] NodeEdit advanced(const AdvanceBase& base, int tip, double b);
 
 /// Which node becomes the new tip, and the edits: it goes to the tip's place, the old tip node goes
-/// back to the middle of the last shaft edge.
+/// back to the middle of the last shaft edge; flips raise the quality of what is left.
 struct HandOver {
-  int new_tip;
-  std::vector<NodeEdit> moves;
-  double quality;  ///< worst of the touched triangles
+  int new_tip = -1;
+  NeedleEdits edits;
+  double quality = 0;  ///< worst of the touched triangles
 };
 
 /// From the tip's present place. At the skin (a track of one node) the skin node stays and the new
@@ -50,6 +52,12 @@ struct HandOver {
                                                      const Track& track,
                                                      const AdvanceBase& base,
                                                      const NeedleView& start);
+
+/// The flip of an edge of an element at the tip that lets it advance furthest. None if no flip gains
+/// anything.
+[[nodiscard]] std::optional<EdgeFlip> plan_passage(const Mesh& mesh,
+                                                   const Track& track,
+                                                   const AdvanceBase& base);
 
 /// The skin node that slides to where the axis first meets the boundary from outside. Throws
 /// InputError if the axis misses the tissue or meets it at a corner.
@@ -60,14 +68,6 @@ struct Entry {
   ReferencePoint x;
 };
 [[nodiscard]] Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle);
-
-/// Flips that raise the worst quality of the touched triangles, one at a time: the best flip of an
-/// edge of a triangle below `wanted`, never of a locked edge or one of the track. None if there is
-/// nothing to gain.
-[[nodiscard]] std::optional<EdgeFlip> best_flip(const Mesh& mesh,
-                                                const Track& track,
-                                                std::span<const int> touched_cells,
-                                                double wanted);
 
 /// Worst quality of the cells around the moved nodes, as if the moves were done.
 [[nodiscard]] double quality_after(const Mesh& mesh, std::span<const NodeEdit> moves);

@@ -104,6 +104,7 @@ class Needle {
 
  private:
   [[nodiscard]] double threshold(const Mesh& mesh) const;
+  void new_base();
   [[nodiscard]] double cap();
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
   [[nodiscard]] std::vector<double> tip_weights(const Mesh& mesh) const;
@@ -129,9 +130,17 @@ class Needle {
   double b_ = 0;          ///< applied from base_ (m)
   double remaining_ = 0;  ///< still to apply (m)
   bool hand_over_wanted_ = false;
-  bool guessing_ = false;  ///< remaining_ is a guess that must not hand over
-  double advanced_ = 0;    ///< over the whole step (m)
-  std::optional<std::pair<double, double>> last_gap_;  ///< (b, gap) for the secant
+  bool postponed_ = false;  ///< no node may become the tip yet: goes on to the end of its reach
+  int passages_ = 0;        ///< flips in this step that made way for the tip
+  bool guessing_ = false;   ///< remaining_ is a guess that must not hand over
+  double advanced_ = 0;     ///< over the whole step (m)
+  struct Gap {
+    double b;
+    double gap;
+  };
+  std::optional<Gap> last_gap_;   ///< for the secant
+  std::optional<Gap> too_short_;  ///< the solution lies between these two, as far as they are known
+  std::optional<Gap> too_far_;
   std::optional<int> pending_membrane_edge_;
   std::optional<int> membrane_edge_;  ///< the tip stands at this edge, not yet punctured
   std::set<int> punctured_;

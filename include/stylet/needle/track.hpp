@@ -29,6 +29,8 @@ class Track {
   [[nodiscard]] int behind_tip() const { return nodes_[nodes_.size() - 2].node; }
   void push(ShaftNode node) { nodes_.push_back(node); }
   [[nodiscard]] bool holds(int node) const;
+  /// True if the nodes follow each other on the path.
+  [[nodiscard]] bool has_edge(int a, int b) const;
 
   /// Distance of each node from the deepest one along the path (m), skin first.
   [[nodiscard]] std::vector<double> distances(const Mesh& mesh) const;

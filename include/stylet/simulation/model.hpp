@@ -40,8 +40,8 @@ void check_against_mesh(const Scene& scene, Mesh& mesh);
                                                           const Scene& scene,
                                                           const NumberedMesh& numbered);
 
-/// The outline of a region as closed polygon of mesh points, counter-clockwise. Throws InputError if
-/// it is not one closed curve.
+/// The outer outline of a region as closed polygon of mesh points, counter-clockwise; holes in it,
+/// such as another region inside, are left out. Throws InputError if it is not one closed curve.
 [[nodiscard]] std::vector<ReferencePoint> region_outline(const Mesh& mesh,
                                                          const std::string& region);
 
