@@ -1,8 +1,7 @@
-// A rigid line in the middle of the unit square (plane strain, E = 1, nu = 0.3): the shape of a needle
-// in tissue. Both ends of the line are singular like a square root, so the order is one.
+// A line in the middle of the unit square (plane strain, E = 1, nu = 0.3): the shape of a needle in
+// tissue, from x = 1/2 to the free side. Values of a high-order computation.
 #include "support/body.hpp"
 #include "support/scenes.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -32,7 +31,7 @@ time: {method: quasi_static, step: 1 s}
                   overrides);
 }
 
-// B: the line moved by (-1, 0).
+// B: the line moved by (-1, 0). Its ends are singular like a square root, so the order is one.
 double stuck_force(int n, const std::string& diagonals) {
   Simulation simulation(
       MPI_COMM_WORLD,
@@ -44,7 +43,8 @@ double stuck_force(int n, const std::string& diagonals) {
   return -force.x;
 }
 
-// C: pulled by a total of -1 along the line, no displacement across it.
+// C: pulled by a total of -1 along the line, no displacement across it. With the force given the
+// singularity is of its gradient only and logarithmic: order two but for the logarithm.
 double tip_displacement(int n, const std::string& diagonals) {
   Simulation simulation(MPI_COMM_WORLD,
                         square(n, diagonals,
@@ -84,19 +84,21 @@ TEST_P(RigidLine, StuckNeedleNeedsTheKnownForce) {
   record(s);
   constexpr double exact = 1.3689;
   EXPECT_GT(s.finest, exact);  // too stiff
-  EXPECT_NEAR(s.finest, exact, 0.02 * exact);
+  EXPECT_NEAR(s.finest, exact, 0.01 * exact);
   EXPECT_NEAR(s.order, 1, 0.15);
   // The order that is seen differs from 1 because of the next term of the error.
-  EXPECT_NEAR(s.limit, exact, 0.002 * exact);
+  EXPECT_NEAR(s.limit, exact, 0.001 * exact);
 }
 
 TEST_P(RigidLine, SlidingNeedleMovesAsKnown) {
   const Study s = study([](int n) { return tip_displacement(n, GetParam()); });
   record(s);
   constexpr double exact = -0.515506;
-  EXPECT_NEAR(s.finest, exact, 0.02 * -exact);
-  EXPECT_NEAR(s.order, 1, 0.15);
-  EXPECT_NEAR(s.limit, exact, 0.002 * -exact);
+  EXPECT_GT(s.order, 1.7);
+  EXPECT_LT(s.order, 2.1);
+  EXPECT_NEAR(s.finest, exact, 5e-4 * -exact);
+  // What the logarithm leaves in the extrapolated value.
+  EXPECT_NEAR(s.limit, exact, 5e-5 * -exact);
 }
 
 }  // namespace

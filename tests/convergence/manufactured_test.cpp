@@ -1,10 +1,9 @@
 // A smooth displacement on the unit square, held at its boundary, with the body force that it needs:
 // order 2 in the L2 norm and order 1 in the energy norm.
-#include "support/body.hpp"
-
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/fem/material.hpp"
 
+#include "support/body.hpp"
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -21,9 +20,10 @@ Vector2 exact(ReferencePoint p) {
 }
 
 LinearSimplex<2>::Block exact_gradient(ReferencePoint p) {
-  return {{{pi * std::cos(pi * p.x) * std::sin(pi * p.y), pi * std::sin(pi * p.x) * std::cos(pi * p.y)},
-           {2 * pi * std::cos(2 * pi * p.x) * std::sin(pi * p.y),
-            pi * std::sin(2 * pi * p.x) * std::cos(pi * p.y)}}};
+  return {
+      {{pi * std::cos(pi * p.x) * std::sin(pi * p.y), pi * std::sin(pi * p.x) * std::cos(pi * p.y)},
+       {2 * pi * std::cos(2 * pi * p.x) * std::sin(pi * p.y),
+        pi * std::sin(2 * pi * p.x) * std::cos(pi * p.y)}}};
 }
 
 // f = -(lambda + mu) grad div u - mu laplace u.

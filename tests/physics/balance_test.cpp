@@ -1,21 +1,20 @@
 // What must hold whatever the parameters: forces balance, units cancel, mirror images agree.
 #include "support/body.hpp"
 #include "support/scenes.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {
 namespace {
 
 TEST(Balance, SupportsCarryTheForceOfAQuasiStaticNeedle) {
-  Simulation simulation(MPI_COMM_WORLD, reference_scene({"time.method=quasi_static", "time.step=20 ms"}),
-                        false);
+  Simulation simulation(MPI_COMM_WORLD,
+                        reference_scene({"time.method=quasi_static", "time.step=20 ms"}), false);
   const auto supports = dofs_of(simulation.mesh(), {"left", "top", "bottom"});
   double peak = 0;
   double worst = 0;
   run_to_end(simulation, [&](const StepRecord& record) {
-    const auto force = product(simulation.tissue(), simulation.tissue().stiffness(),
-                               simulation.state().u.get());
+    const auto force =
+        product(simulation.tissue(), simulation.tissue().stiffness(), simulation.state().u.get());
     double along = 0;
     for (const int dof : supports) {
       if (dof % 2 == Axis::along_component) along += force[static_cast<std::size_t>(dof)];
@@ -51,7 +50,8 @@ TEST(Balance, ForcesScaledWithStiffnessAndDensityLeaveThePlacement) {
   const double error = placement_error(reference_scene());
   for (const double factor : {0.1, 3.0}) {
     // Round-off decides differently at most where a threshold is met within 1e-9.
-    EXPECT_NEAR(placement_error(reference_scene(scaled(factor))), error, 1e-9) << "factor " << factor;
+    EXPECT_NEAR(placement_error(reference_scene(scaled(factor))), error, 1e-9)
+        << "factor " << factor;
   }
 }
 
@@ -92,9 +92,9 @@ TEST(Mirror, NeedleOnTheAxisOfSymmetryKeepsTheTissueSymmetric) {
   run_to_end(simulation, [&](const StepRecord&) {
     const auto at = simulation.world(simulation.probes());
     along = std::max(along, std::abs(at[0].x - 0.03));
-    difference = std::max(
-        {difference, std::abs(at[0].x - at[1].x), std::abs(at[0].y + at[1].y - 0.06),
-         std::abs(simulation.needle()->tip_point(simulation.mesh()).y - 0.03)});
+    difference =
+        std::max({difference, std::abs(at[0].x - at[1].x), std::abs(at[0].y + at[1].y - 0.06),
+                  std::abs(simulation.needle()->tip_point(simulation.mesh()).y - 0.03)});
   });
   RecordProperty("difference_nm", std::to_string(1e9 * difference));
   EXPECT_GT(along, 1e-3);
@@ -102,7 +102,7 @@ TEST(Mirror, NeedleOnTheAxisOfSymmetryKeepsTheTissueSymmetric) {
 }
 
 TEST(Mirror, NeedleAboveAndBelowTheAxisMissAlike) {
-  for (const double off : {0.0013, 0.0071}) {
+  for (const double off : {0.0013, 0.0071}) {  // between grid lines 2.5 mm apart
     const auto error = [&](double height) {
       const std::string y = std::to_string(height);
       return placement_error(scene_of(
@@ -110,8 +110,9 @@ TEST(Mirror, NeedleAboveAndBelowTheAxisMissAlike) {
     };
     const double above = error(0.03 + off);
     RecordProperty("above_mm", std::to_string(1e3 * above));
-    RecordProperty("difference_nm", std::to_string(1e9 * (error(0.03 - off) - above)));
-    EXPECT_NEAR(error(0.03 - off), above, same) << "off the axis by " << off << " m";
+    const double below = error(0.03 - off);
+    RecordProperty("difference_nm", std::to_string(1e9 * (below - above)));
+    EXPECT_NEAR(below, above, same) << "off the axis by " << off << " m";
   }
 }
 

@@ -1,8 +1,7 @@
 // Cook's membrane in plane strain, nu = 0.3: a tapered plate held on the left under shear.
-#include "support/body.hpp"
-
 #include "stylet/dynamics/implicit_newmark.hpp"
 
+#include "support/body.hpp"
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -30,7 +29,8 @@ CookAnswer solve(int n) {
   std::vector<double> force(static_cast<std::size_t>(body.tissue.n_dofs()), 0.0);
   for (const int f : body.mesh.facets_of("right")) {
     for (std::size_t end = 0; end < 2; ++end) {
-      const auto node = static_cast<std::size_t>(body.mesh.data().facets[2 * static_cast<std::size_t>(f) + end]);
+      const auto node =
+          static_cast<std::size_t>(body.mesh.data().facets[2 * static_cast<std::size_t>(f) + end]);
       force[2 * node + 1] += 0.5 / n;  // a total of 1
     }
   }

@@ -1,10 +1,9 @@
 // Loads that act from t = 0 accelerate the tissue at once: M a = f in the first step.
-#include "support/body.hpp"
-#include "support/scenes.hpp"
-
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/simulation/conditions.hpp"
 
+#include "support/body.hpp"
+#include "support/scenes.hpp"
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -50,8 +49,8 @@ TEST_P(InitialAcceleration, BalancesTheTractionAtFreeNodes) {
 TEST_P(InitialAcceleration, MovesTheTissueInTheFirstStep) {
   const Scene scene = scene_of(pulled, {"tissue.mass=" + GetParam()});
   Simulation simulation(MPI_COMM_WORLD, scene, false);
-  const OwnedVec load =
-      vector_of(simulation.tissue(), Conditions(scene, simulation.mesh()).load(simulation.mesh(), 0));
+  const OwnedVec load = vector_of(simulation.tissue(),
+                                  Conditions(scene, simulation.mesh()).load(simulation.mesh(), 0));
   State state = still(simulation.tissue());
   initial_acceleration(simulation.tissue(), state, load.get(),
                        held(dofs_of(simulation.mesh(), {"left"})));

@@ -2,7 +2,6 @@
 // friction force whose sign is taken from the last step would stay wrong for ever after a kick.
 #include "support/body.hpp"
 #include "support/scenes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <ostream>
@@ -26,8 +25,7 @@ struct Outcome {
 };
 
 Outcome outcome_of(const KickCase& c, double kick) {
-  const auto scene =
-      reference_scene({"needles.0.cutting.law=" + c.law, "time.scheme=" + c.scheme});
+  const auto scene = reference_scene({"needles.0.cutting.law=" + c.law, "time.scheme=" + c.scheme});
   Simulation simulation(MPI_COMM_WORLD, scene, false);
   Outcome outcome;
   constexpr double middle_of_insertion = 1.1;
@@ -53,13 +51,12 @@ class Kick : public testing::TestWithParam<KickCase> {};
 // large. Generalised-alpha turns a velocity that it does not resolve into a displacement of about
 // the step times it; an outward kick of 3 m/s already makes the needle cut more than it would have
 // in the rest of its way, and cuts do not heal.
-INSTANTIATE_TEST_SUITE_P(
-    Laws,
-    Kick,
-    testing::Values(KickCase{"consistent", "backward_euler", 20, -20},
-                    KickCase{"consistent", "generalised_alpha", 1, -5},
-                    KickCase{"lagged", "backward_euler", 20, -20},
-                    KickCase{"lagged", "generalised_alpha", 1, -5}));
+INSTANTIATE_TEST_SUITE_P(Laws,
+                         Kick,
+                         testing::Values(KickCase{"consistent", "backward_euler", 20, -20},
+                                         KickCase{"consistent", "generalised_alpha", 1, -5},
+                                         KickCase{"lagged", "backward_euler", 20, -20},
+                                         KickCase{"lagged", "generalised_alpha", 1, -5}));
 
 TEST_P(Kick, DoesNotChangeThePlacement) {
   const double undisturbed = outcome_of(GetParam(), 0).error;
@@ -70,9 +67,10 @@ TEST_P(Kick, DoesNotChangeThePlacement) {
   RecordProperty("after_in_um", std::to_string(1e6 * (in.error - undisturbed)));
   // The kick was felt: friction, 1.3 N before it, was reversed.
   EXPECT_LT(std::min(out.least_friction, in.least_friction), -1);
-  // Seen: up to 0.9 um. The path keeps a trace of the kick, a sixth of the 12 um by which the error
-  // jitters with depth anyway; a wrong sign that stays moves it by millimetres.
-  constexpr double tolerance = 2e-6;
+  // Seen: 0.3 um with the consistent law, 0.1 to 3 um with the lagged one, which cuts a step later by
+  // what the kick did to the tip. Both are below the 12 um by which the error jitters with depth
+  // anyway; a wrong sign that stays moves it by millimetres.
+  const double tolerance = GetParam().law == "consistent" ? 2e-6 : 1e-5;
   EXPECT_NEAR(out.error, undisturbed, tolerance);
   EXPECT_NEAR(in.error, undisturbed, tolerance);
 }

@@ -1,10 +1,10 @@
 // Natural frequencies of squares with E = rho = 1 and nu = 0.3 in plane strain, against known values.
-#include "support/body.hpp"
-#include "support/scenes.hpp"
-
 #include "stylet/dynamics/modes.hpp"
+
 #include "stylet/simulation/model.hpp"
 
+#include "support/body.hpp"
+#include "support/scenes.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,11 +13,13 @@
 namespace stylet {
 namespace {
 
+// The three lowest on n x n squares.
 std::vector<double> frequencies(int n,
                                 const std::string& supports,
                                 const std::string& mass,
                                 const std::string& diagonals) {
-  const Scene scene = scene_of(R"(
+  const Scene scene = scene_of(
+      R"(
 mesh: {rectangle: {size: [1 m, 1 m], columns: 1, rows: 1}}
 tissue:
   plane: strain
@@ -25,10 +27,8 @@ tissue:
   regions: {tissue: {youngs_modulus: 1 Pa, poisson_ratio: 0.3, density: 1 kg/m^3}}
 time: {method: implicit, duration: 1 s}
 )",
-                               {"mesh.rectangle.columns=" + std::to_string(n),
-                                "mesh.rectangle.rows=" + std::to_string(n),
-                                "mesh.rectangle.diagonals=" + diagonals, "tissue.mass=" + mass,
-                                "supports=" + supports});
+      {"mesh.rectangle.columns=" + std::to_string(n), "mesh.rectangle.rows=" + std::to_string(n),
+       "mesh.rectangle.diagonals=" + diagonals, "tissue.mass=" + mass, "supports=" + supports});
   NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, scene);
   check_against_mesh(scene, numbered.mesh);
   const auto tissue = make_tissue(MPI_COMM_WORLD, scene, numbered);

@@ -2,7 +2,6 @@
 // against one made from the mesh as it is.
 #include "support/body.hpp"
 #include "support/scenes.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -84,8 +83,7 @@ TEST(PatchDuringInsertion, HoldsAtEveryMomentOfTheReferenceScene) {
 }
 
 TEST(PatchDuringInsertion, HoldsAfterEdgeFlipsOnARaggedMesh) {
-  Simulation simulation(MPI_COMM_WORLD,
-                        scene_of(R"(
+  Simulation simulation(MPI_COMM_WORLD, scene_of(R"(
 mesh: {rectangle: {size: [8 cm, 6 cm], columns: 32, rows: 24, jitter: 0.29}}
 tissue:
   plane: stress
@@ -110,8 +108,7 @@ time: {method: quasi_static, step: 20 ms}
 
 TEST(PatchDuringInsertion, HoldsAfterTheSkinNodeSlid) {
   // Half-way between skin nodes 2.5 mm apart.
-  Simulation simulation(MPI_COMM_WORLD,
-                        scene_of(R"(
+  Simulation simulation(MPI_COMM_WORLD, scene_of(R"(
 mesh: {rectangle: {size: [4 cm, 3 cm], columns: 16, rows: 12, jitter: 0.2}}
 tissue:
   plane: strain

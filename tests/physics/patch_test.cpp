@@ -1,9 +1,8 @@
 // Patch test: a linear displacement is an exact solution on any mesh, and stays one after edits.
-#include "support/body.hpp"
-
 #include "stylet/fem/material.hpp"
 #include "stylet/geometry/triangle.hpp"
 
+#include "support/body.hpp"
 #include <gtest/gtest.h>
 
 #include <random>
@@ -135,7 +134,8 @@ std::vector<int> flip_edges(Mesh& mesh) {
       if (!other) continue;
       const auto far = mesh.point(mesh.opposite(*other, a, b));
       const auto mine = mesh.point(mesh.opposite(c, a, b));
-      if (quality(mine, mesh.point(a), far) < 0.1 || quality(mine, far, mesh.point(b)) < 0.1) continue;
+      if (quality(mine, mesh.point(a), far) < 0.1 || quality(mine, far, mesh.point(b)) < 0.1)
+        continue;
       mesh.flip_edge(a, b);
       touched.push_back(c);
       touched.push_back(*other);

@@ -1,7 +1,6 @@
 // Period of the Newmark family: cos(omega_num h) = 1 - (W^2/2)/(1 + beta W^2) with W = omega h, read
 // from u_{n+1} + u_{n-1} = 2 cos(omega_num h) u_n.
 #include "support/oscillator.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {

@@ -2,7 +2,6 @@
 // trial with an independent model (mm): default 6.4; deeper by 3.5 mm about half and by 6.5 mm close to
 // zero; friction and cutting force up: larger; 1/E.
 #include "support/scenes.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -35,10 +34,10 @@ TEST(ReferenceScene, DeeperInsertionMakesUpForTheMotionOfTheTissue) {
 }
 
 TEST(ReferenceScene, MoreFrictionMissesByMore) {
-  const double little = error_mm({"needles.0.friction.static_force=2 N/m",
-                                  "needles.0.friction.kinetic_force=1.3 N/m"});
-  const double much = error_mm({"needles.0.friction.static_force=390 N/m",
-                                "needles.0.friction.kinetic_force=260 N/m"});
+  const double little = error_mm(
+      {"needles.0.friction.static_force=2 N/m", "needles.0.friction.kinetic_force=1.3 N/m"});
+  const double much = error_mm(
+      {"needles.0.friction.static_force=390 N/m", "needles.0.friction.kinetic_force=260 N/m"});
   RecordProperty("hundredth_mm", std::to_string(little));
   RecordProperty("double_mm", std::to_string(much));
   // The trial's 2.8 and 10.0 with the mesh-to-mesh spread of 7 % and as much for the step.
@@ -54,8 +53,9 @@ TEST(ReferenceScene, BlunterNeedleMissesByMore) {
   EXPECT_NEAR(sharp, 4.3, 0.6);  // as above
   EXPECT_NEAR(blunt, 7.8, 1.1);
   // Sharpness divides the cutting force, nothing else.
-  EXPECT_NEAR(error_mm({"needles.0.cutting.cutting_force=1.25 N", "needles.0.cutting.sharpness=0.5"}),
-              blunt, 1e-9);
+  EXPECT_NEAR(
+      error_mm({"needles.0.cutting.cutting_force=1.25 N", "needles.0.cutting.sharpness=0.5"}),
+      blunt, 1e-9);
 }
 
 TEST(ReferenceScene, StifferTissueMissesByLess) {

@@ -1,7 +1,6 @@
 // Spectral radius of a step, from the amplification matrix of (u, h v, h^2 a) that the integrator
 // itself yields when it starts from unit states.
 #include "support/oscillator.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -73,8 +72,8 @@ const std::vector<double> steps{0.01, 0.1, 0.5, 1, 1.15, 1.16, 1.5, 2, 3, 10, 10
 
 TEST(SpectralRadius, AverageAccelerationNeitherGrowsNorDecays) {
   for (const double big_omega : steps) {
-    const double radius = spectral_radius(
-        amplification(implicit(ImplicitScheme::average_acceleration), big_omega));
+    const double radius =
+        spectral_radius(amplification(implicit(ImplicitScheme::average_acceleration), big_omega));
     // The solver's relative tolerance is 1e-11.
     EXPECT_NEAR(radius, 1, 1e-9) << "omega h = " << big_omega;
   }

@@ -1,9 +1,8 @@
 // The stable step of central differences, from the true largest eigenvalue of a small body.
-#include "support/modes.hpp"
-
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 
+#include "support/modes.hpp"
 #include <gtest/gtest.h>
 
 namespace stylet {
@@ -23,7 +22,10 @@ TimeParameters central_difference() {
 
 /// Free vibration from the stiffest mode with a step that is `factor` times `limit(omega)`.
 template <class Limit>
-double amplitude_after(std::optional<RayleighDamping> damping, Limit&& limit, double factor, int steps) {
+double amplitude_after(std::optional<RayleighDamping> damping,
+                       Limit&& limit,
+                       double factor,
+                       int steps) {
   Body body = small_body(damping);
   const auto supports = dofs_of(body.mesh, {"left"});
   const auto modes = dense_modes(body.tissue, supports);
@@ -46,7 +48,9 @@ double amplitude_after(std::optional<RayleighDamping> damping, Limit&& limit, do
   return amplitude;
 }
 
-double two_over_omega(double omega) { return 2 / omega; }
+double two_over_omega(double omega) {
+  return 2 / omega;
+}
 
 // At W = omega h = 2 (1 -+ d) the growth a step is acosh(W^2/2 - 1) = 4 sqrt(d), so 1000 steps at
 // d = 1e-3 grow by e^126; below, beats reach 1/sqrt(1 - W^2/4) = 22 at most.
@@ -72,10 +76,9 @@ TEST(StableStep, ShrinksWithStiffnessDampingAsInClosedForm) {
       dense_modes(small_body({}).tissue, dofs_of(small_body({}).mesh, {"left"})).squares.back());
   for (const double xi : {0.05, 0.3, 1.0}) {
     const RayleighDamping damping{0, 2 * xi / omega};
-    const auto limit = [&](double w) {
-      return 2 * (std::sqrt(1 + xi * xi) - xi) / w;
-    };
-    EXPECT_NEAR(stable_step(omega * omega, damping.stiffness_factor), limit(omega), 1e-12 * limit(omega));
+    const auto limit = [&](double w) { return 2 * (std::sqrt(1 + xi * xi) - xi) / w; };
+    EXPECT_NEAR(stable_step(omega * omega, damping.stiffness_factor), limit(omega),
+                1e-12 * limit(omega));
     EXPECT_LT(amplitude_after(damping, limit, 0.999, 20000), 1e-3) << "xi = " << xi;
     EXPECT_GT(amplitude_after(damping, limit, 1.001, 20000), 1e3) << "xi = " << xi;
   }

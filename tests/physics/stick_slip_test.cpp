@@ -1,12 +1,11 @@
 // A block on a spring, dragged by the needle: one node of the shaft is free along the axis and all
 // else is held, so that the needle glides through rigid tissue and its friction drives one mass.
 // Coulomb friction gives saw-teeth of known height and length.
-#include "support/body.hpp"
-
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/needle/needle.hpp"
 
+#include "support/body.hpp"
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -15,11 +14,11 @@
 namespace stylet {
 namespace {
 
-constexpr double speed = 0.1;            // V, m/s
-constexpr double static_limit = 195;     // N/m
-constexpr double kinetic_limit = 130;    // N/m
-constexpr double height = 0.031;         // m
-constexpr std::size_t block = 2;         // of the shaft nodes, from the skin
+constexpr double speed = 0.1;          // V, m/s
+constexpr double static_limit = 195;   // N/m
+constexpr double kinetic_limit = 130;  // N/m
+constexpr double height = 0.031;       // m
+constexpr std::size_t block = 2;       // of the shaft nodes, from the skin
 
 NeedleParameters needle_parameters(CuttingLaw law) {
   NeedleParameters p;
@@ -42,10 +41,13 @@ class Block {
   explicit Block(const TimeParameters& time)
       : is_explicit_(time.method == TimeMethod::explicit_newmark),
         body_(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6}),
-              material({60e3, 0.3, 1000}, Plane::stress,
-                       is_explicit_ ? MassKind::lumped : MassKind::consistent, 0.01),
+              material({60e3, 0.3, 1000},
+                       Plane::stress,
+                       is_explicit_ ? MassKind::lumped : MassKind::consistent,
+                       0.01),
               [](int) { return true; }),
-        needle_(needle_parameters(is_explicit_ ? CuttingLaw::lagged : CuttingLaw::consistent), {},
+        needle_(needle_parameters(is_explicit_ ? CuttingLaw::lagged : CuttingLaw::consistent),
+                {},
                 is_explicit_) {
     const Entry entry = find_entry(body_.mesh, needle_.axis(), "needle");
     std::vector<int> ends{entry.node, entry.neighbour};
@@ -91,7 +93,8 @@ class Block {
     needle_.start_step(body_.mesh, motion);
     integrator_->begin(state_, load_.get(), motion.h);
     for (;;) {
-      while (needle_.wants_edit()) apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
+      while (needle_.wants_edit())
+        apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
       const Trial trial = integrator_->attempt(constraints(), false);
       const TrialView view = view_of(trial);
       if (!needle_.review(body_.mesh, view, 0)) continue;
@@ -114,7 +117,8 @@ class Block {
     };
     constexpr double more_than_it_takes = 1;  // N
     do {
-      while (needle_.wants_edit()) apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
+      while (needle_.wants_edit())
+        apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
     } while (!needle_.review(body_.mesh, zero(), more_than_it_takes));
     needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), zero(), more_than_it_takes);
   }

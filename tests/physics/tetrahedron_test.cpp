@@ -22,7 +22,8 @@ constexpr double round_off = 1e-13;
 std::vector<Vector3> nodes() {
   std::vector<Vector3> x;
   for (int i = 0; i < 8; ++i) {
-    x.push_back({(i & 1) + 0.01 * i, ((i >> 1) & 1) - 0.02 * (i % 3), ((i >> 2) & 1) + 0.015 * (i % 5)});
+    x.push_back(
+        {(i & 1) + 0.01 * i, ((i >> 1) & 1) - 0.02 * (i % 3), ((i >> 2) & 1) + 0.015 * (i % 5)});
   }
   x.push_back({0.42, 0.55, 0.47});
   return x;
@@ -64,9 +65,11 @@ std::vector<Vector3> forces(const std::vector<Vector3>& x, const std::vector<Vec
   return f;
 }
 
-constexpr std::array<Vector3, 3> h = {{{1e-2, 2e-2, -1e-2}, {-3e-2, 5e-3, 4e-3}, {7e-3, -2e-3, 2e-2}}};
+constexpr std::array<Vector3, 3> h = {
+    {{1e-2, 2e-2, -1e-2}, {-3e-2, 5e-3, 4e-3}, {7e-3, -2e-3, 2e-2}}};
 
-std::vector<Vector3> linear_field(const std::vector<Vector3>& x, const std::array<Vector3, 3>& gradient) {
+std::vector<Vector3> linear_field(const std::vector<Vector3>& x,
+                                  const std::array<Vector3, 3>& gradient) {
   std::vector<Vector3> u(x.size(), Vector3{0.1, -0.2, 0.3});
   for (std::size_t n = 0; n < x.size(); ++n) {
     for (std::size_t i = 0; i < 3; ++i) {

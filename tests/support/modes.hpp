@@ -2,7 +2,6 @@
 #pragma once
 
 #include "support/body.hpp"
-
 #include <petscblaslapack.h>
 
 namespace stylet {
@@ -45,7 +44,8 @@ inline DenseModes dense_modes(const TissueOperator& tissue, std::span<const int>
   if (info != 0) throw std::runtime_error("dense eigenvalue solver failed");
   for (std::size_t i = 0; i < size; ++i) {
     auto& shape = modes.shapes.emplace_back(static_cast<std::size_t>(tissue.n_dofs()), 0.0);
-    for (std::size_t j = 0; j < size; ++j) shape[static_cast<std::size_t>(free[j])] = k[i * size + j];
+    for (std::size_t j = 0; j < size; ++j)
+      shape[static_cast<std::size_t>(free[j])] = k[i * size + j];
   }
   return modes;
 }

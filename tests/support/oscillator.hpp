@@ -1,10 +1,10 @@
 // A body of which all dofs but one are held: one mass on one spring, stepped by the real integrators.
 #pragma once
 
-#include "support/body.hpp"
-
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
+
+#include "support/body.hpp"
 
 #include <array>
 #include <memory>
@@ -62,8 +62,8 @@ class Oscillator {
   static TissueParameters parameters(const TimeParameters& time,
                                      const std::optional<RayleighDamping>& damping) {
     const bool is_explicit = time.method == TimeMethod::explicit_newmark;
-    auto p = material({1, 0.3, 1}, Plane::stress,
-                      is_explicit ? MassKind::lumped : MassKind::consistent);
+    auto p =
+        material({1, 0.3, 1}, Plane::stress, is_explicit ? MassKind::lumped : MassKind::consistent);
     p.damping = damping;
     return p;
   }

@@ -1,0 +1,131 @@
+#include "stylet/needle/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+namespace stylet {
+
+namespace {
+
+Action moving(ActionKind kind, double speed, std::optional<double> depth) {
+  Action a;
+  a.kind = kind;
+  a.speed = speed;
+  a.depth = depth;
+  return a;
+}
+
+Action waiting(ActionKind kind, std::optional<double> duration) {
+  Action a;
+  a.kind = kind;
+  a.duration = duration;
+  return a;
+}
+
+/// The skin stands at x = 8 cm and the needle goes to -x: along = -x.
+Motion entered(std::vector<Action> actions) {
+  Motion motion(std::move(actions));
+  motion.enter(-0.08, -1);
+  return motion;
+}
+
+std::vector<NeedleStep> all_steps(Motion& motion, double longest) {
+  std::vector<NeedleStep> steps;
+  while (!motion.finished() && steps.size() < 1000) {
+    steps.push_back(motion.next(longest));
+    motion.commit(steps.back());
+  }
+  return steps;
+}
+
+TEST(Motion, EqualStepsThatHitTheEnd) {
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.01)});
+  const auto steps = all_steps(motion, 0.03);
+  ASSERT_EQ(steps.size(), 17U);  // 0.5 s in steps of at most 0.03 s
+  for (const auto& step : steps) EXPECT_EQ(step.h, steps[0].h);
+  EXPECT_EQ(steps[0].h, 0.5 / 17);
+  EXPECT_EQ(steps.back().to, -0.08 + 0.01);  // exactly, whatever the sum of the steps
+  EXPECT_EQ(motion.tip(), -0.08 + 0.01);
+  for (std::size_t i = 1; i < steps.size(); ++i) EXPECT_EQ(steps[i].from, steps[i - 1].to);
+  // The last step makes up for the round-off of the others.
+  for (const auto& step : steps) EXPECT_NEAR(step.speed(), 0.02, 1e-14);
+}
+
+TEST(Motion, WholeNumberOfStepsIsNotSplit) {
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.03)});
+  EXPECT_EQ(all_steps(motion, 0.05).size(), 30U);  // 1.5 / 0.05 is a bit above 30 in binary
+}
+
+TEST(Motion, PositionIsACoordinateOfTheScene) {
+  Action insert = moving(ActionKind::insert, 0.02, std::nullopt);
+  insert.position = 0.035;
+  Motion motion = entered({insert});
+  EXPECT_EQ(all_steps(motion, 0.1).back().to, -0.035);
+}
+
+TEST(Motion, RetractToADepthAndOut) {
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.02),
+                           moving(ActionKind::retract, 0.01, 0.005),
+                           moving(ActionKind::retract, 0.04, std::nullopt)});
+  while (motion.index() == 0) motion.commit(motion.next(0.1));
+  EXPECT_EQ(motion.tip(), -0.06);
+  const NeedleStep back = motion.next(0.1);
+  EXPECT_NEAR(back.speed(), -0.01, 1e-15);
+  while (motion.index() == 1) motion.commit(motion.next(0.1));
+  EXPECT_EQ(motion.tip(), -0.075);
+  // All the way out has no end of its own: the caller ends it.
+  for (int i = 0; i < 50; ++i) {
+    const NeedleStep out = motion.next(0.1);
+    EXPECT_EQ(out.h, 0.1);
+    motion.commit(out);
+  }
+  EXPECT_FALSE(motion.finished());
+  motion.finish_action();
+  EXPECT_TRUE(motion.finished());
+}
+
+TEST(Motion, InsertToWhereTheTipIsTakesOneStepOfNothing) {
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.0)});
+  const auto steps = all_steps(motion, 0.1);
+  ASSERT_EQ(steps.size(), 1U);
+  EXPECT_EQ(steps[0].h, 0);
+  EXPECT_EQ(steps[0].speed(), 0);
+}
+
+TEST(Motion, HoldAndSettle) {
+  Motion motion = entered({waiting(ActionKind::hold, 0.25), waiting(ActionKind::settle, 0.1),
+                           waiting(ActionKind::settle, std::nullopt)});
+  double held = 0;
+  while (motion.index() == 0) {
+    const NeedleStep step = motion.next(0.1);
+    EXPECT_EQ(step.to, step.from);
+    held += step.h;
+    motion.commit(step);
+  }
+  EXPECT_NEAR(held, 0.25, 1e-16);
+  motion.commit(motion.next(0.1));
+  EXPECT_EQ(motion.index(), 2U);
+  for (int i = 0; i < 10; ++i) motion.commit(motion.next(0.1));
+  EXPECT_EQ(motion.index(), 2U);  // until the caller finds the tissue still
+}
+
+TEST(Motion, ShorterStepsOnTheWay) {
+  // An explicit method may ask for less in the middle; the rest is divided again.
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.01)});
+  motion.commit(motion.next(0.1));
+  motion.commit(motion.next(0.1));
+  std::vector<double> rest;
+  while (!motion.finished()) {
+    const NeedleStep step = motion.next(0.07);
+    rest.push_back(step.h);
+    motion.commit(step);
+  }
+  EXPECT_EQ(rest.size(), 5U);  // 0.3 s in steps of at most 0.07 s
+  EXPECT_EQ(motion.tip(), -0.08 + 0.01);
+}
+
+}  // namespace
+
+}  // namespace stylet

@@ -1,0 +1,166 @@
+#include "stylet/needle/needle.hpp"
+
+#include "bench.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace stylet {
+
+namespace {
+
+constexpr double above = 10;  // N, more than any threshold here
+
+/// Sum of the tip's weights: of its condition where it sticks, of its forces per newton where it cuts.
+double sum_of_weights(const Needle& needle, const Mesh& mesh) {
+  const auto set = needle.constraints(mesh);
+  double sum = 0;
+  if (needle.tip_contact() == TipContact::stick) {
+    for (const auto& [dof, weight] : set.mean->weights) sum += weight;
+  } else {
+    for (const auto& [dof, force] : set.forces) sum += force;  // the threshold is 1 N
+  }
+  return Axis::along_sign * sum;
+}
+
+TEST(Needle, StandsAtTheSkinFirst) {
+  const Bench bench(Mesh(tissue(8, 6)), needle_at(0.033, 0.03));
+  EXPECT_EQ(bench.needle.phase(), NeedlePhase::outside);
+  EXPECT_EQ(bench.needle.track().size(), 1U);
+  EXPECT_EQ(bench.mesh.point(bench.needle.track().tip()), (ReferencePoint{0.08, 0.033}));
+  EXPECT_EQ(bench.needle.motion().skin(), -0.08);
+}
+
+TEST(Needle, PushesUntilTheThreshold) {
+  Bench bench(Mesh(tissue(8, 6)), needle_at(0.03, 0.03));
+  for (int i = 0; i < 5; ++i) bench.step(0.05, 0.9);  // below the threshold of 1 N
+  EXPECT_EQ(bench.needle.tip_contact(), TipContact::stick);
+  EXPECT_EQ(bench.needle.track().size(), 1U);
+  bench.step(0.05, above);
+  EXPECT_EQ(bench.needle.tip_contact(), TipContact::cut);
+  EXPECT_GT(bench.needle.track().size(), 1U);
+}
+
+TEST(Needle, CutsAsFarAsItMoves) {
+  // In tissue that does not give, the tip in the reference mesh is the tip in the world.
+  for (const double jitter : {0.0, 0.25}) {
+    Bench bench(Mesh(tissue(16, 12, jitter)), needle_at(0.0317, 0.05));
+    while (!bench.needle.motion().finished()) {
+      bench.step(0.05, above);
+      const auto tip = bench.needle.tip_point(bench.mesh);
+      // A step is accepted when the gap is below 1e-4 of its 1 mm; the first cut goes half an
+      // element ahead.
+      if (bench.needle.tip_contact() != TipContact::cut) continue;
+      EXPECT_NEAR(Axis::along(tip), bench.needle.motion().tip(), 1.1e-7);
+      EXPECT_NEAR(tip.y, 0.0317, 1e-15);
+    }
+    EXPECT_GT(bench.needle.counts().hand_overs, 8);
+  }
+}
+
+TEST(Needle, EveryEditLeavesValidTriangles) {
+  for (int i = 0; i < 20; ++i) {
+    const double height = 0.007 + 0.0023 * i;
+    Bench bench(Mesh(tissue(16, 12, 0.25)), needle_at(height, 0.06, i % 2 == 0 ? 0.006 : 0));
+    std::vector<int> all(static_cast<std::size_t>(bench.mesh.n_cells()));
+    std::iota(all.begin(), all.end(), 0);
+    while (!bench.needle.motion().finished()) {
+      // The floor of a hand-over (needle.cpp).
+      bench.step(0.1, above, [&] { ASSERT_GE(bench.mesh.worst_quality(all), 0.03); });
+    }
+  }
+}
+
+TEST(Needle, PathIsAChainOfEdges) {
+  Bench bench(Mesh(tissue(16, 12, 0.25)), needle_at(0.0273, 0.06));
+  while (!bench.needle.motion().finished()) bench.step(0.2, above);  // several hand-overs a step
+  const auto nodes = bench.needle.track().nodes();
+  std::set<int> distinct;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    EXPECT_TRUE(distinct.insert(nodes[i].node).second);
+    EXPECT_NEAR(bench.mesh.point(nodes[i].node).y, 0.0273, 1e-15);
+    if (i == 0) continue;
+    EXPECT_EQ(bench.mesh.cells_with(nodes[i - 1].node, nodes[i].node).size(), 2U);
+    EXPECT_LT(bench.mesh.point(nodes[i].node).x, bench.mesh.point(nodes[i - 1].node).x);
+  }
+}
+
+TEST(Needle, TipWeightsSumToOne) {
+  for (const double tip_length : {0.0, 0.001, 0.006, 0.02}) {
+    Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.04, tip_length));
+    bench.step(0.05, 0.5);
+    EXPECT_EQ(sum_of_weights(bench.needle, bench.mesh), 1);  // one node at the skin
+    while (!bench.needle.motion().finished()) {
+      bench.step(0.05, above);
+      // A few divisions of lengths by the zone's length.
+      EXPECT_NEAR(sum_of_weights(bench.needle, bench.mesh), 1, 1e-14);
+    }
+  }
+}
+
+TEST(Needle, PointTipLoadsOneNode) {
+  Bench bench(Mesh(tissue(16, 12)), needle_at(0.03, 0.02));
+  for (int i = 0; i < 5; ++i) bench.step(0.05, above);
+  const auto set = bench.needle.constraints(bench.mesh);
+  ASSERT_EQ(set.forces.size(), 1U);
+  EXPECT_EQ(set.forces[0].dof, Axis::along_dof(bench.needle.track().tip()));
+  EXPECT_EQ(set.forces[0].value, -1);  // 1 N towards -x
+}
+
+TEST(Needle, ShaftIsHeldOnItsAxis) {
+  Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.03));
+  while (!bench.needle.motion().finished()) bench.step(0.05, above);
+  std::set<int> held;
+  for (const auto& dof : bench.needle.constraints(bench.mesh).dofs) {
+    EXPECT_FALSE(dof.velocity);
+    EXPECT_NEAR(dof.value, 0, 1e-15);  // the nodes stand on the axis already
+    held.insert(dof.dof);
+  }
+  for (const auto& shaft : bench.needle.track().nodes()) {
+    EXPECT_TRUE(held.contains(Axis::across_dof(shaft.node)));
+  }
+}
+
+TEST(Needle, StopsAtTheMembraneUntilItIsPunctured) {
+  NeedleTissue tissue_properties;
+  tissue_properties.membrane = {{0.02, 0.01}, {0.06, 0.01}, {0.06, 0.05}, {0.02, 0.05}};
+  tissue_properties.puncture_force = 3;
+  Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.07), tissue_properties);
+  while (!bench.needle.at_membrane()) bench.step(0.05, 2);  // cuts, but does not puncture
+  // The crossing of straight lines.
+  EXPECT_NEAR(bench.needle.tip_point(bench.mesh).x, 0.06, 1e-15);
+  for (int i = 0; i < 4; ++i) bench.step(0.05, 2);
+  EXPECT_TRUE(bench.needle.at_membrane());
+  EXPECT_EQ(bench.needle.counts().punctures, 0);
+  EXPECT_NEAR(bench.needle.tip_point(bench.mesh).x, 0.06, 1e-15);
+  while (!bench.needle.motion().finished()) bench.step(0.05, 3.1);
+  EXPECT_EQ(bench.needle.counts().punctures, 2);  // in and out again
+  EXPECT_LT(bench.needle.tip_point(bench.mesh).x, 0.02);
+}
+
+TEST(Needle, SameDecisionsInEveryNumbering) {
+  for (const double jitter : {0.0, 0.2}) {
+    const MeshData data = tissue(12, 9, jitter);
+    const double height = 0.03;  // without jitter on no line of nodes, but halfway: all ties
+    Bench plain(Mesh(data), needle_at(height, 0.06));
+    Bench other(permuted(data, 4), needle_at(height, 0.06));
+    while (!plain.needle.motion().finished()) {
+      plain.step(0.05, above);
+      other.step(0.05, above);
+      ASSERT_EQ(plain.needle.counts().hand_overs, other.needle.counts().hand_overs);
+      const auto a = plain.needle.track().nodes();
+      const auto b = other.needle.track().nodes();
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        // Round-off of cells in another cyclic order.
+        EXPECT_LT(distance(plain.mesh.point(a[i].node), other.mesh.point(b[i].node)), 1e-14);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+}  // namespace stylet
