@@ -80,14 +80,14 @@ MeshData refine(const MeshData& coarse, int times) {
     throw InputError(coarse.source + ": refine = " + std::to_string(times) +
                      "; allowed: 0 or more");
   }
-  MeshData mesh = coarse;
-  for (int i = 0; i < times; ++i) {
-    if (mesh.cells.size() > std::numeric_limits<int>::max() / 4) {
-      throw InputError(coarse.source + ": refine = " + std::to_string(times) +
-                       " makes too many triangles; allowed here: up to " + std::to_string(i));
-    }
-    mesh = refine_once(mesh);
+  int most = 0;
+  for (auto n = coarse.cells.size(); n <= std::numeric_limits<int>::max() / 4; n *= 4) ++most;
+  if (times > most) {
+    throw InputError(coarse.source + ": refine = " + std::to_string(times) +
+                     " makes too many triangles; allowed here: up to " + std::to_string(most));
   }
+  MeshData mesh = coarse;
+  for (int i = 0; i < times; ++i) mesh = refine_once(mesh);
   return mesh;
 }
 

@@ -232,6 +232,8 @@ void Validator::check_sides() {
     if (sides[i].key != sides[i + 1].key) continue;
     check_shared(sides[i], sides[i + 1]);
     if (i + 2 < sides.size() && sides[i].key == sides[i + 2].key) {
+      check_shared(sides[i], sides[i + 2]);
+      check_shared(sides[i + 1], sides[i + 2]);
       fail(describe(sides[i + 2].cell) + " shares an edge with two others, " +
            describe(sides[i].cell) + " and " + describe(sides[i + 1].cell) +
            "; allowed: two cells an edge");
