@@ -118,13 +118,10 @@ TEST(EmbeddedPoint, RelocateAfterMovesAndFlips) {
     auto around = mesh.cells_around(node);
     std::vector<int> touched(around.begin(), around.end());
     if (!(mesh.worst_quality(touched) > 0.05)) mesh.move_node(node, from);
-    const auto n = mesh.cell(touched[0]);
-    if (!mesh.is_locked_edge(n[0], n[1])) {
-      const auto both = mesh.cells_with(n[0], n[1]);
-      const auto now = mesh.flip_edge(n[0], n[1]);
-      if (!(mesh.worst_quality(both) > 0.05)) mesh.flip_edge(now[0], now[1]);
-      touched.insert(touched.end(), both.begin(), both.end());
-    }
+    const int a = mesh.cell(touched[0])[0];
+    const int b = mesh.cell(touched[0])[1];
+    const auto both = mesh.cells_with(a, b);
+    if (flip_if_valid(mesh, a, b, 0.05)) touched.insert(touched.end(), both.begin(), both.end());
     relocate(mesh, touched, points);
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
