@@ -1,6 +1,5 @@
 // A failure of one rank becomes the same error on all.
 #include "stylet/petsc/agree.hpp"
-
 #include "stylet/petsc/session.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +16,9 @@ namespace {
 const MPI_Comm world = MPI_COMM_WORLD;
 using testing::HasSubstr;
 
-TEST(Agree, NoFailureNoError) { EXPECT_NO_THROW(agree(world, std::nullopt)); }
+TEST(Agree, NoFailureNoError) {
+  EXPECT_NO_THROW(agree(world, std::nullopt));
+}
 
 TEST(Agree, LastRankFails) {
   const int last = size_of(world) - 1;

@@ -69,7 +69,9 @@ void expect_no_extras(const Counts& n) {
   EXPECT_EQ(n.at("StyletAssemble"), 1);
 }
 
-TEST(Events, UnknownNameCountsZero) { EXPECT_EQ(event_count("StyletNoSuchEvent"), 0); }
+TEST(Events, UnknownNameCountsZero) {
+  EXPECT_EQ(event_count("StyletNoSuchEvent"), 0);
+}
 
 TEST(Events, StaticSceneFactorsAndSolvesOnce) {
   const auto n = events_of(plain, {"time.method=quasi_static", "time.duration=10 ms"});
@@ -109,13 +111,13 @@ TEST(Events, DampingAddsNoSolves) {
 
 TEST(Events, DeclaredPartsShowUp) {
   // The test would be empty if the names were wrong: with everything declared all are counted.
-  const auto n = events_of(plain + R"(needles:
+  const auto n = events_of(
+      plain + R"(needles:
   - height: 31 mm
     cutting: {cutting_force: 1.7 N}
     motion: [insert: {speed: 2 cm/s, depth: 1 cm}]
 )",
-                           {"loads.traction=[]", "time={step: 50 ms}",
-                            "output={history: true, snapshots: 0.1 s}"});
+      {"loads.traction=[]", "time={step: 50 ms}", "output={history: true, snapshots: 0.1 s}"});
   for (const auto& name : names) EXPECT_GT(n.at(name), 0) << name;
 }
 

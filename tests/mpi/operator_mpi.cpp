@@ -1,9 +1,8 @@
 // The tissue operator has the same bits on any number of ranks, and an edited one those of a fresh
 // one. Entries are compared one by one with ==; where one pattern lacks an entry the other holds an
 // exact zero.
-#include "stylet/fem/tissue_operator.hpp"
-
 #include "stylet/dynamics/state.hpp"
+#include "stylet/fem/tissue_operator.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/mesh/numbering.hpp"
 #include "stylet/mesh/rectangle.hpp"
@@ -138,8 +137,8 @@ class Editor {
       const auto both = mesh_.cells_with(a, b);
       const auto near = mesh_.point(mesh_.opposite(c, a, b));
       const auto far = mesh_.point(mesh_.opposite(both[0] == c ? both[1] : both[0], a, b));
-      const double worst = std::min(quality(near, mesh_.point(a), far),
-                                    quality(near, far, mesh_.point(b)));
+      const double worst =
+          std::min(quality(near, mesh_.point(a), far), quality(near, far, mesh_.point(b)));
       if (worst < 0.1) continue;
       mesh_.flip_edge(a, b);
       ++n_flips_;
@@ -215,7 +214,8 @@ INSTANTIATE_TEST_SUITE_P(Mass,
                          });
 
 TEST(NeedleEdits, OperatorAfterAnInsertionEqualsFresh) {
-  const std::string text = R"(mesh: {rectangle: {size: [8 cm, 6 cm], columns: 14, rows: 10, jitter: 0.2}}
+  const std::string text =
+      R"(mesh: {rectangle: {size: [8 cm, 6 cm], columns: 14, rows: 10, jitter: 0.2}}
 tissue:
   plane: stress
   regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.45, density: 1000 kg/m^3}}

@@ -57,23 +57,27 @@ const std::string reversals =
 const std::string two_needles =
     "needles=[{height: 3.17 cm, cutting: {cutting_force: 1.7 N}, motion: [insert: {speed: 2 cm/s, "
     "depth: 3 cm}, implant: {}, retract: {speed: 2 cm/s}]}, {height: 2.87 cm, cutting: "
-    "{cutting_force: 1.7 N}, motion: [insert: {speed: 2 cm/s, depth: 3.4 cm}, implant: {}, retract: "
+    "{cutting_force: 1.7 N}, motion: [insert: {speed: 2 cm/s, depth: 3.4 cm}, implant: {}, "
+    "retract: "
     "{speed: 2 cm/s}]}]";
 
 const std::vector<NamedScene> scenes = {
     {"distributed tip", {}},
     {"point tip", {"needles.0.cutting.tip_length=0 mm"}},
     // Nothing but position breaks the ties of a needle on a line of nodes of a symmetric mesh.
-    {"symmetric", {"mesh.rectangle.jitter=0", "needles.0.height=3 cm", "needles.0.cutting.tip_length=0 mm"}},
+    {"symmetric",
+     {"mesh.rectangle.jitter=0", "needles.0.height=3 cm", "needles.0.cutting.tip_length=0 mm"}},
     {"implicit", {"time.method=implicit"}},
-    {"implicit point tip", {"time.method=implicit", "needles.0.cutting.tip_length=0 mm", reversals}},
+    {"implicit point tip",
+     {"time.method=implicit", "needles.0.cutting.tip_length=0 mm", reversals}},
     {"membrane", {"membrane={region: core, puncture_force: 2.5 N}"}},
     {"reversals", {reversals}},
     {"two needles", {two_needles}},
     {"lagged", {"needles.0.cutting.law=lagged"}},
     {"explicit",
      {"time.method=explicit", "time.step=20 ms", "tissue.damping={mass_factor: 100 1/s}",
-      "needles.0.motion=[insert: {speed: 5 cm/s, depth: 1.2 cm}, implant: {}, retract: {speed: 5 cm/s}]"}},
+      "needles.0.motion=[insert: {speed: 5 cm/s, depth: 1.2 cm}, implant: {}, retract: {speed: 5 "
+      "cm/s}]"}},
 };
 
 /// Decisions are integers and must be equal; quantities may differ by round-off.
@@ -91,10 +95,12 @@ Result run(const NamedScene& named) {
     const Needle& needle = *simulation.needle();
     decisions << step.needle.n_stick << '/' << step.needle.n_slip << '/'
               << static_cast<int>(needle.tip_contact()) << '/'
-              << simulation.counts().needle.hand_overs << '/' << simulation.counts().edge_flips << ' ';
+              << simulation.counts().needle.hand_overs << '/' << simulation.counts().edge_flips
+              << ' ';
   }
   const auto& counts = simulation.counts();
-  decisions << "punctures " << counts.needle.punctures << " frozen " << counts.needle.frozen_contacts;
+  decisions << "punctures " << counts.needle.punctures << " frozen "
+            << counts.needle.frozen_contacts;
   result.decisions = decisions.str();
   for (const double error : simulation.placement_errors()) result.quantities.push_back(error);
   result.quantities.push_back(counts.peak_needle_force);
@@ -140,9 +146,11 @@ int compare(const std::string& name, const Result& mine, const Result& one_rank)
     std::size_t at = 0;
     while (at < mine.decisions.size() && mine.decisions[at] == one_rank.decisions[at]) ++at;
     const std::size_t from = at > 60 ? at - 60 : 0;
-    std::printf("%s: other decisions (stick/slip/tip/hand-overs/flips):\n  here     ...%s\n  one rank ...%s\n",
-                name.c_str(), mine.decisions.substr(from, 120).c_str(),
-                one_rank.decisions.substr(from, 120).c_str());
+    std::printf(
+        "%s: other decisions (stick/slip/tip/hand-overs/flips):\n  here     ...%s\n  one rank "
+        "...%s\n",
+        name.c_str(), mine.decisions.substr(from, 120).c_str(),
+        one_rank.decisions.substr(from, 120).c_str());
     ++wrong;
   }
   for (std::size_t i = 0; i < one_rank.quantities.size(); ++i) {

@@ -16,8 +16,12 @@ Action to_depth(ActionKind kind, double depth) {
   a.depth = std::max(depth, 0.0);
   return a;
 }
-Action insert(double depth) { return to_depth(ActionKind::insert, depth); }
-Action retract(double depth) { return to_depth(ActionKind::retract, depth); }
+Action insert(double depth) {
+  return to_depth(ActionKind::insert, depth);
+}
+Action retract(double depth) {
+  return to_depth(ActionKind::retract, depth);
+}
 
 Action plain(ActionKind kind, double duration = 0) {
   Action a;
@@ -35,11 +39,19 @@ std::vector<Action> motion(const Case& what) {
   const Action seed = plain(ActionKind::implant);
   const Action rest = plain(ActionKind::settle, 0.1);
   switch (what.motion) {
-    case MotionKind::straight: return {insert(d), seed, out, rest};
+    case MotionKind::straight:
+      return {insert(d), seed, out, rest};
     case MotionKind::reversals:
-      return {insert(0.37 * d), retract(0.31 * d), insert(0.62 * d), retract(0.2 * d),
-              insert(0.81 * d), retract(0.79 * d), insert(d),        seed,
-              out,              rest};
+      return {insert(0.37 * d),
+              retract(0.31 * d),
+              insert(0.62 * d),
+              retract(0.2 * d),
+              insert(0.81 * d),
+              retract(0.79 * d),
+              insert(d),
+              seed,
+              out,
+              rest};
     case MotionKind::shiver: {
       std::vector<Action> actions{insert(0.4 * d)};
       for (int i = 0; i < 6; ++i) {
@@ -51,38 +63,65 @@ std::vector<Action> motion(const Case& what) {
       return actions;
     }
     case MotionKind::tiny:
-      return {insert(0.01 * e), out,           insert(0.02 * e), plain(ActionKind::hold, 0.1),
-              insert(0.3 * e),  out,           insert(0.5 * d),  seed,
-              out,              insert(0.6 * d), out,            rest};
+      return {insert(0.01 * e),
+              out,
+              insert(0.02 * e),
+              plain(ActionKind::hold, 0.1),
+              insert(0.3 * e),
+              out,
+              insert(0.5 * d),
+              seed,
+              out,
+              insert(0.6 * d),
+              out,
+              rest};
     case MotionKind::holds:
-      return {insert(0.5 * d), plain(ActionKind::hold, 0.2), insert(0.52 * d),
-              plain(ActionKind::hold, 0.1), retract(0.5 * d), plain(ActionKind::hold, 0.1),
-              insert(d), plain(ActionKind::hold, 0.1), seed, out, rest};
-    case MotionKind::seeds: break;
+      return {insert(0.5 * d),
+              plain(ActionKind::hold, 0.2),
+              insert(0.52 * d),
+              plain(ActionKind::hold, 0.1),
+              retract(0.5 * d),
+              plain(ActionKind::hold, 0.1),
+              insert(d),
+              plain(ActionKind::hold, 0.1),
+              seed,
+              out,
+              rest};
+    case MotionKind::seeds:
+      break;
   }
-  return {insert(d),       seed, retract(0.7 * d), seed, retract(0.35 * d), seed,
-          insert(1.1 * d), seed, out,              rest};
+  return {insert(d), seed, retract(0.7 * d), seed, retract(0.35 * d), seed, insert(1.1 * d), seed,
+          out,       rest};
 }
 
 }  // namespace
 
 const char* name_of(MotionKind kind) {
   switch (kind) {
-    case MotionKind::straight: return "straight";
-    case MotionKind::reversals: return "reversals";
-    case MotionKind::shiver: return "shiver";
-    case MotionKind::tiny: return "tiny";
-    case MotionKind::holds: return "holds";
-    case MotionKind::seeds: break;
+    case MotionKind::straight:
+      return "straight";
+    case MotionKind::reversals:
+      return "reversals";
+    case MotionKind::shiver:
+      return "shiver";
+    case MotionKind::tiny:
+      return "tiny";
+    case MotionKind::holds:
+      return "holds";
+    case MotionKind::seeds:
+      break;
   }
   return "seeds";
 }
 
 const char* name_of(TimeMethod method) {
   switch (method) {
-    case TimeMethod::implicit_newmark: return "implicit";
-    case TimeMethod::explicit_newmark: return "explicit";
-    case TimeMethod::quasi_static: break;
+    case TimeMethod::implicit_newmark:
+      return "implicit";
+    case TimeMethod::explicit_newmark:
+      return "explicit";
+    case TimeMethod::quasi_static:
+      break;
   }
   return "quasi-static";
 }
@@ -95,8 +134,7 @@ Scene scene_of(const Case& what) {
   constexpr double youngs_modulus = 60e3;
   for (const auto& region : what.mesh.regions) {
     const double factor = region == "tissue" ? 1 : what.mesh.contrast;
-    scene.tissue.regions.push_back(
-        {region, {factor * youngs_modulus, what.poisson_ratio, 1000}});
+    scene.tissue.regions.push_back({region, {factor * youngs_modulus, what.poisson_ratio, 1000}});
   }
   const bool is_explicit = what.method == TimeMethod::explicit_newmark;
   if (is_explicit) {
@@ -276,6 +314,44 @@ void add_explicit(Cases& cases, const NamedMesh& mesh, double tip_length) {
 }
 
 }  // namespace
+
+std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes, int n, unsigned seed) {
+  Cases cases;
+  std::mt19937 random(seed);
+  const auto share = [&] { return static_cast<double>(random()) / static_cast<double>(random.max()); };
+  const auto one_of = [&](auto... values) {
+    const std::common_type_t<decltype(values)...> list[] = {values...};
+    return list[random() % sizeof...(values)];
+  };
+  while (n > 0) {
+    Case c;
+    c.mesh = meshes[random() % meshes.size()];
+    if (c.mesh.size < 1.5e-3) continue;
+    --n;
+    double height = 0.002 + 0.056 * share();
+    const int needles = one_of(1, 1, 1, 2, 3, 5);
+    for (int i = 0; i < needles; ++i) {
+      c.heights.push_back(height);
+      // The next one beside it, on the same line or somewhere.
+      height = one_of(height, height + 0.006 * (share() - 0.5), 0.002 + 0.056 * share());
+      height = std::clamp(height, 0.001, 0.059);
+    }
+    c.motion = all_motions[random() % std::size(all_motions)];
+    c.method = one_of(TimeMethod::quasi_static, TimeMethod::quasi_static,
+                      TimeMethod::implicit_newmark);
+    c.tip_length = one_of(0.0, 0.002, 0.006, 0.015);
+    c.law = one_of(CuttingLaw::consistent, CuttingLaw::consistent, CuttingLaw::lagged,
+                   CuttingLaw::increment);
+    c.friction = random() % 4 != 0;
+    c.membrane = has_region(c.mesh, "inner") && random() % 2 == 0;
+    c.step = one_of(0.01, 0.04, 0.15, 0.6);
+    c.depth = 0.01 + 0.055 * share();
+    c.cutting_force = one_of(0.1, 0.5, 1.7, 4.0, 8.0);
+    c.poisson_ratio = one_of(0.3, 0.45, 0.495);
+    cases.add(c);
+  }
+  return cases.take();
+}
 
 std::vector<Case> quick_cases(const std::vector<NamedMesh>& meshes) {
   Cases cases;

@@ -1,9 +1,9 @@
 // What is run on the meshes: needle heights, motions, methods and tips.
 #pragma once
 
-#include "meshes.hpp"
-
 #include "stylet/scene/scene.hpp"
+
+#include "meshes.hpp"
 
 #include <string>
 #include <vector>
@@ -25,13 +25,13 @@ struct Case {
   std::vector<double> heights;  ///< of the needles (m)
   MotionKind motion = MotionKind::straight;
   TimeMethod method = TimeMethod::quasi_static;
-  double tip_length = 0;        ///< m
+  double tip_length = 0;  ///< m
   CuttingLaw law = CuttingLaw::consistent;
   bool friction = true;
-  bool membrane = false;        ///< around the region 'inner'
-  double step = 0.02;           ///< s; 0.4 mm of insertion
-  double depth = 0.045;         ///< m, of the deepest point
-  double cutting_force = 1.7;   ///< N
+  bool membrane = false;       ///< around the region 'inner'
+  double step = 0.02;          ///< s; 0.4 mm of insertion
+  double depth = 0.045;        ///< m, of the deepest point
+  double cutting_force = 1.7;  ///< N
   double poisson_ratio = 0.45;
 };
 
@@ -40,6 +40,8 @@ struct Case {
 /// The cases that every build runs (under a minute), and all of them (an hour).
 [[nodiscard]] std::vector<Case> quick_cases(const std::vector<NamedMesh>& meshes);
 [[nodiscard]] std::vector<Case> full_cases(const std::vector<NamedMesh>& meshes);
+/// Anything at random, on the meshes with edges above 1.5 mm.
+[[nodiscard]] std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes, int n, unsigned seed);
 
 [[nodiscard]] const char* name_of(MotionKind kind);
 [[nodiscard]] const char* name_of(TimeMethod method);

@@ -76,8 +76,8 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
     if (!nodes[i].attached || held_.contains(nodes[i].node)) continue;
     attached.insert(nodes[i].node);
     if (!attached_.contains(nodes[i].node)) continue;
-    const double off = Axis::across(mesh.point(nodes[i].node)) + u[2 * i + 1] -
-                       needle.axis().across_position;
+    const double off =
+        Axis::across(mesh.point(nodes[i].node)) + u[2 * i + 1] - needle.axis().across_position;
     // Prescribed dofs take their values without a solver; 1e-12 m is round-off of 0.1 m.
     if (std::abs(off) > 1e-12) breach("shaft node " + number(off) + " m off the axis");
   }

@@ -22,8 +22,9 @@ class Watch {
   void breach(const std::string& what) { breaches_.push_back(what); }
 
   double area_;
-  std::set<int> held_;      ///< nodes of supports, which go before the needle
-  std::set<int> attached_;  ///< at the last look; a node that joins later is on the axis a step later
+  std::set<int> held_;  ///< nodes of supports, which go before the needle
+  std::set<int>
+      attached_;  ///< at the last look; a node that joins later is on the axis a step later
   std::vector<std::string> breaches_;
 };
 

@@ -34,9 +34,11 @@ NamedMesh grid(int columns,
   const Ellipse prostate{{0.035, 0.03}, 0.035, 0.026};
   const std::vector<ReferencePoint> bone{
       {0.012, 0.012}, {0.03, 0.008}, {0.048, 0.02}, {0.04, 0.042}, {0.02, 0.05}};
-  if (inner == Inner::ellipse || inner == Inner::two) r.inner_regions.push_back({"inner", prostate});
+  if (inner == Inner::ellipse || inner == Inner::two)
+    r.inner_regions.push_back({"inner", prostate});
   if (inner == Inner::polygon) r.inner_regions.push_back({"inner", bone});
-  if (inner == Inner::two) r.inner_regions.push_back({"core", Ellipse{{0.03, 0.031}, 0.012, 0.012}});
+  if (inner == Inner::two)
+    r.inner_regions.push_back({"core", Ellipse{{0.03, 0.031}, 0.012, 0.012}});
   for (const auto& region : r.inner_regions) mesh.regions.push_back(region.name);
   if (inner == Inner::ellipse) mesh.name += " ellipse";
   if (inner == Inner::polygon) mesh.name += " polygon";

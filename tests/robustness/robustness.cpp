@@ -1,14 +1,14 @@
 // Many meshes, heights and motions: no inverted element, no plausible number after a failure.
 //
-// robustness [--full] [--list] [--only TEXT] [--number N] [--part I/N] [--gmsh FOLDER] [--verbose]
+// robustness [--full | --random N [--seed S]] [--list] [--only TEXT] [--number N] [--part I/N] [--gmsh FOLDER] [--verbose]
 // prints a table, one line a case. Exit code 1 if a check failed or a run ended in a way that is
 // not a NumericalError. STYLET_FULL_ROBUSTNESS=1 means --full.
+#include "stylet/base/errors.hpp"
+#include "stylet/petsc/session.hpp"
+
 #include "cases.hpp"
 #include "checks.hpp"
 #include "meshes.hpp"
-
-#include "stylet/base/errors.hpp"
-#include "stylet/petsc/session.hpp"
 
 #include <chrono>
 #include <cstdio>
@@ -27,6 +27,8 @@ struct Options {
   std::string only;
   std::string gmsh_folder;
   int number = -1;
+  int random = 0;
+  unsigned seed = 1;
   int part = 0;
   int parts = 1;
 };
@@ -42,6 +44,8 @@ Options read(int argc, char** argv) {
     if (words[i] == "--only") options.only = value();
     if (words[i] == "--gmsh") options.gmsh_folder = value();
     if (words[i] == "--number") options.number = std::stoi(value());
+    if (words[i] == "--random") options.random = std::stoi(value());
+    if (words[i] == "--seed") options.seed = static_cast<unsigned>(std::stoul(value()));
     if (words[i] == "--part") std::sscanf(value().c_str(), "%d/%d", &options.part, &options.parts);
   }
   return options;
@@ -66,12 +70,12 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
       outcome.counts = simulation.counts();
       if (verbose && simulation.needle() != nullptr) {
         const auto& n = *simulation.needle();
-        std::printf("  t %.4f tip %.3f mm %s contact %d hand-overs %d passes %d tip %.3f N friction "
-                    "%.3f N worst %.4f\n",
-                    step.t, 1e3 * (n.motion().tip() - n.motion().skin()),
-                    stylet::name_of(n.phase()), static_cast<int>(n.tip_contact()),
-                    outcome.counts.needle.hand_overs, step.passes, step.needle.forces.tip,
-                    step.needle.forces.friction, outcome.counts.worst_quality);
+        std::printf(
+            "  t %.4f tip %.3f mm %s contact %d hand-overs %d passes %d tip %.3f N friction "
+            "%.3f N worst %.4f\n",
+            step.t, 1e3 * (n.motion().tip() - n.motion().skin()), stylet::name_of(n.phase()),
+            static_cast<int>(n.tip_contact()), outcome.counts.needle.hand_overs, step.passes,
+            step.needle.forces.tip, step.needle.forces.friction, outcome.counts.worst_quality);
       }
       if (breaches.empty() || !outcome.breach.empty()) continue;
       outcome.breach = "t = " + std::to_string(step.t) + " s: " + breaches.front();
@@ -129,12 +133,15 @@ std::string variant_of(const Case& what) {
 
 int run_all(const Options& options) {
   const auto meshes = all_meshes(options.gmsh_folder);
-  const auto cases = options.full ? full_cases(meshes) : quick_cases(meshes);
+  const auto cases = options.random > 0 ? random_cases(meshes, options.random, options.seed)
+                     : options.full     ? full_cases(meshes)
+                                        : quick_cases(meshes);
   int completed = 0;
   int refused = 0;
   int broken = 0;
-  std::printf("no | mesh | triangles | height (mm) | motion | variant | hand-overs | flips | worst "
-              "quality | frozen | inverted deformed | wall (s) | outcome\n");
+  std::printf(
+      "no | mesh | triangles | height (mm) | motion | variant | hand-overs | flips | worst "
+      "quality | frozen | inverted deformed | wall (s) | outcome\n");
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& what = cases[i];
     if (options.number >= 0 && static_cast<int>(i) != options.number) continue;

@@ -1,7 +1,6 @@
 #include "stylet/mesh/embedded_point.hpp"
 
 #include "small_meshes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,7 +77,8 @@ TEST(EmbeddedPoint, WalkAroundACorner) {
   const int n = 8;
   const auto number = [&](int i, int j) { return i * (n + 1) + j; };
   for (int i = 0; i <= n; ++i) {
-    for (int j = 0; j <= n; ++j) data.coordinates.insert(data.coordinates.end(), {1.0 * i, 1.0 * j});
+    for (int j = 0; j <= n; ++j)
+      data.coordinates.insert(data.coordinates.end(), {1.0 * i, 1.0 * j});
   }
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {

@@ -1,9 +1,8 @@
 #include "stylet/mesh/mesh.hpp"
 
-#include "small_meshes.hpp"
-
 #include "stylet/base/errors.hpp"
 
+#include "small_meshes.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +19,9 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::vector<int> list(std::span<const int> values) { return {values.begin(), values.end()}; }
+std::vector<int> list(std::span<const int> values) {
+  return {values.begin(), values.end()};
+}
 
 TEST(Mesh, WhoTouchesWhom) {
   const Mesh mesh(square());

@@ -1,7 +1,6 @@
 #include "stylet/mesh/region_map.hpp"
 
 #include "small_meshes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -58,7 +57,8 @@ TEST(RegionMap, SharesOfTheWholeKeepTheArea) {
   const RegionMap map(mesh);
   const int core = mesh.region_index("core");
   double before = 0;
-  for (int c = 0; c < mesh.n_cells(); ++c) before += mesh.region(c) == core ? mesh.cell_measure(c) : 0;
+  for (int c = 0; c < mesh.n_cells(); ++c)
+    before += mesh.region(c) == core ? mesh.cell_measure(c) : 0;
   // The nodes of a row across the ellipse go a third of a square to the side.
   for (int node = 0; node < mesh.n_nodes(); ++node) {
     if (mesh.is_locked(node) || std::abs(mesh.point(node).y - 0.5) > 0.05) continue;

@@ -16,7 +16,10 @@
 namespace stylet {
 
 /// 8 x 6 cm.
-inline MeshData tissue(int columns, int rows, double jitter = 0, Diagonals d = Diagonals::alternating) {
+inline MeshData tissue(int columns,
+                       int rows,
+                       double jitter = 0,
+                       Diagonals d = Diagonals::alternating) {
   RectangleMesh p;
   p.width = 0.08;
   p.height = 0.06;
@@ -79,7 +82,8 @@ struct Bench {
   }
 
   /// One accepted step; after each round of edits `look` is called.
-  void step(double h, double force, const std::function<void()>& look = [] {}) {
+  void step(
+      double h, double force, const std::function<void()>& look = [] {}) {
     needle.start_step(mesh, needle.motion().next(h));
     for (;;) {
       while (needle.wants_edit()) {

@@ -1,16 +1,16 @@
+#include "stylet/base/errors.hpp"
 #include "stylet/needle/advance.hpp"
 
 #include "bench.hpp"
-
-#include "stylet/base/errors.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {
 
 namespace {
 
-Entry entry_at(const Mesh& mesh, double height) { return find_entry(mesh, {height}, "needle"); }
+Entry entry_at(const Mesh& mesh, double height) {
+  return find_entry(mesh, {height}, "needle");
+}
 
 TEST(Entry, AtANode) {
   const Mesh mesh(tissue(8, 6));

@@ -3,7 +3,6 @@
 #include "stylet/needle/local_mesh.hpp"
 
 #include "bench.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -71,7 +71,9 @@ TEST(Membrane, StandingOnAnEdge) {
   EXPECT_EQ(hit->distance, 0);
 }
 
-TEST(Membrane, NoMembrane) { EXPECT_FALSE(first_crossing({}, {3, 0}, left, 5, {})); }
+TEST(Membrane, NoMembrane) {
+  EXPECT_FALSE(first_crossing({}, {3, 0}, left, 5, {}));
+}
 
 }  // namespace
 

@@ -66,9 +66,9 @@ TEST(Motion, PositionIsACoordinateOfTheScene) {
 }
 
 TEST(Motion, RetractToADepthAndOut) {
-  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.02),
-                           moving(ActionKind::retract, 0.01, 0.005),
-                           moving(ActionKind::retract, 0.04, std::nullopt)});
+  Motion motion =
+      entered({moving(ActionKind::insert, 0.02, 0.02), moving(ActionKind::retract, 0.01, 0.005),
+               moving(ActionKind::retract, 0.04, std::nullopt)});
   while (motion.index() == 0) motion.commit(motion.next(0.1));
   EXPECT_EQ(motion.tip(), -0.06);
   const NeedleStep back = motion.next(0.1);

@@ -1,7 +1,6 @@
 #include "stylet/needle/needle.hpp"
 
 #include "bench.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,7 +1,6 @@
 #include "stylet/needle/track.hpp"
 
 #include "bench.hpp"
-
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -2,7 +2,6 @@
 #include "stylet/needle/advance.hpp"
 
 #include "bench.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -65,7 +64,7 @@ TEST(Way, FInverseKeepsTheTipOnTheAxis) {
     const double b = share * way->distance;
     const NodeEdit edit = advanced(*way, track.tip(), b);
     const WorldPoint x = displaced(edit.x, edit.state.u);
-    EXPECT_NEAR(x.y, p.y, 1e-15);              // still on the axis (m)
+    EXPECT_NEAR(x.y, p.y, 1e-15);                // still on the axis (m)
     EXPECT_NEAR(x.x, p.x - b * stretch, 1e-15);  // forward by F r b
   }
 }
@@ -79,7 +78,8 @@ TEST(Way, FallsBackWhereFIsNoHelp) {
   // Squeezed to 4 % of its area; turned by 100 degrees; turned inside out.
   const double c = std::cos(100 * M_PI / 180);
   const double s = std::sin(100 * M_PI / 180);
-  for (const auto& u : {homogeneous(0.2, 0, 0, 0.2), homogeneous(c, -s, s, c), homogeneous(-1, 0, 0, 1)}) {
+  for (const auto& u :
+       {homogeneous(0.2, 0, 0, 0.2), homogeneous(c, -s, s, c), homogeneous(-1, 0, 0, 1)}) {
     const auto way = way_in(u);
     ASSERT_TRUE(way);
     EXPECT_TRUE(way->fell_back);
