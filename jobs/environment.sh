@@ -5,6 +5,7 @@ job=$(basename "$0")
 say() { echo "$job: $*"; }
 
 [ -d /proc/self ] || { say "/proc is not mounted; Open MPI needs it" >&2; exit 1; }
+[ -d /sys/devices/system/cpu ] || say "no /sys: Open MPI will say that it cannot see the processors; it runs all the same" >&2
 [ -w /dev/shm ] || say "no writable /dev/shm: ranks will exchange data through files in ${TMPDIR:-/tmp}" >&2
 
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1   # one thread a rank

@@ -230,6 +230,7 @@ void add_heights(Cases& cases, const NamedMesh& mesh) {
     Case c;
     c.mesh = mesh;
     c.heights = {height};
+    c.may_be_refused = height == 0.01 * dy;
     cases.add(c);
   }
 }
@@ -318,7 +319,9 @@ void add_explicit(Cases& cases, const NamedMesh& mesh, double tip_length) {
 std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes, int n, unsigned seed) {
   Cases cases;
   std::mt19937 random(seed);
-  const auto share = [&] { return static_cast<double>(random()) / static_cast<double>(random.max()); };
+  const auto share = [&] {
+    return static_cast<double>(random()) / static_cast<double>(random.max());
+  };
   const auto one_of = [&](auto... values) {
     const std::common_type_t<decltype(values)...> list[] = {values...};
     return list[random() % sizeof...(values)];
@@ -337,8 +340,8 @@ std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes, int n, unsi
       height = std::clamp(height, 0.001, 0.059);
     }
     c.motion = all_motions[random() % std::size(all_motions)];
-    c.method = one_of(TimeMethod::quasi_static, TimeMethod::quasi_static,
-                      TimeMethod::implicit_newmark);
+    c.method =
+        one_of(TimeMethod::quasi_static, TimeMethod::quasi_static, TimeMethod::implicit_newmark);
     c.tip_length = one_of(0.0, 0.002, 0.006, 0.015);
     c.law = one_of(CuttingLaw::consistent, CuttingLaw::consistent, CuttingLaw::lagged,
                    CuttingLaw::increment);
@@ -348,6 +351,7 @@ std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes, int n, unsi
     c.depth = 0.01 + 0.055 * share();
     c.cutting_force = one_of(0.1, 0.5, 1.7, 4.0, 8.0);
     c.poisson_ratio = one_of(0.3, 0.45, 0.495);
+    c.may_be_refused = true;  // nobody has looked at it before
     cases.add(c);
   }
   return cases.take();

@@ -33,6 +33,7 @@ struct Case {
   double depth = 0.045;        ///< m, of the deepest point
   double cutting_force = 1.7;  ///< N
   double poisson_ratio = 0.45;
+  bool may_be_refused = false;  ///< too close to a corner of the tissue for its elements
 };
 
 [[nodiscard]] Scene scene_of(const Case& what);
@@ -41,7 +42,9 @@ struct Case {
 [[nodiscard]] std::vector<Case> quick_cases(const std::vector<NamedMesh>& meshes);
 [[nodiscard]] std::vector<Case> full_cases(const std::vector<NamedMesh>& meshes);
 /// Anything at random, on the meshes with edges above 1.5 mm.
-[[nodiscard]] std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes, int n, unsigned seed);
+[[nodiscard]] std::vector<Case> random_cases(const std::vector<NamedMesh>& meshes,
+                                             int n,
+                                             unsigned seed);
 
 [[nodiscard]] const char* name_of(MotionKind kind);
 [[nodiscard]] const char* name_of(TimeMethod method);
