@@ -349,8 +349,9 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
       const double f = threshold(mesh);
       const double limit = membrane_edge_ ? tissue_.puncture_force : f;
       if (lambda < -force_slack * f) {
+        if (tip_frozen()) return true;
         tip_ = TipContact::open;
-        return tip_changed();
+        return false;
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
       if (lambda <= limit * (1 + force_slack)) return true;
@@ -369,14 +370,14 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
         if (std::abs(g) <= tolerance) return true;
         return cut_further(g);
       }
-      if (g >= -tolerance) return true;
+      if (g >= -tolerance || tip_frozen()) return true;
       tip_ = TipContact::stick;
-      return tip_changed();
+      return false;
     }
     case TipContact::open:
       break;
   }
-  if (gap(mesh, trial) <= tolerance) return true;
+  if (gap(mesh, trial) <= tolerance || tip_frozen()) return true;
   tip_ = TipContact::stick;
   exposed_ = 0;
   for (auto& shaft : track_.nodes()) {
@@ -384,11 +385,12 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
     shaft.attached = true;
     shaft.contact = Contact::stick;
   }
-  return tip_changed();
+  return false;
 }
 
-// One more change of the tip's contact; true where the bound is reached and the step stays as it is.
-bool Needle::tip_changed() {
+// Asks for one more change of the tip's contact; true where the bound is reached and the step stays
+// as it was solved.
+bool Needle::tip_frozen() {
   if (++tip_changes_ <= most_changes) return false;
   ++counts_.frozen_contacts;
   return true;
@@ -422,9 +424,10 @@ bool Needle::cut_further(double g) {
   }
   if (to <= 0) {
     // Less than nothing to cut: the tip sticks.
+    if (tip_frozen()) return true;
     remaining_ = -b_;
     tip_ = TipContact::stick;
-    return tip_changed();
+    return false;
   }
   remaining_ = to - b_;
   return false;

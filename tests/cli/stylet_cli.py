@@ -81,10 +81,15 @@ class Outcome:
         return f"exit code {self.code}\nstdout: {self.out}\nstderr: {self.err}"
 
 
+def own_lines(text):
+    """Without what Open MPI's hwloc remarks where /sys is hidden."""
+    return "".join(line for line in text.splitlines(True) if not line.startswith("[hwloc/"))
+
+
 def call(command, cwd, **options):
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, errors="replace",
                           timeout=TIMEOUT, **options)
-    return Outcome(done.returncode, done.stdout, done.stderr)
+    return Outcome(done.returncode, done.stdout, own_lines(done.stderr))
 
 
 def block_mesh(n=2, edit=lambda triangles: triangles, region=1):

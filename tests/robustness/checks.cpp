@@ -59,7 +59,10 @@ void Watch::look_at_mesh(const Simulation& simulation) {
 
 void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step) {
   const Needle& needle = *simulation.needle();
-  if (needle.phase() == NeedlePhase::outside || needle.phase() == NeedlePhase::withdrawn) return;
+  if (needle.phase() == NeedlePhase::outside || needle.phase() == NeedlePhase::withdrawn) {
+    attached_.clear();
+    return;
+  }
   const Mesh& mesh = simulation.mesh();
   std::vector<int> dofs;
   std::set<int> distinct;

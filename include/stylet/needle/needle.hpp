@@ -112,7 +112,7 @@ class Needle {
   bool review_friction(const Mesh& mesh, const TrialView& trial);
   bool review_tip(const Mesh& mesh, const TrialView& trial, double lambda);
   bool cut_further(double gap);
-  bool tip_changed();
+  bool tip_frozen();
 
   NeedleParameters parameters_;
   NeedleTissue tissue_;

@@ -84,7 +84,8 @@ struct Bench {
   /// One accepted step; after each round of edits `look` is called.
   void step(
       double h, double force, const std::function<void()>& look = [] {}) {
-    needle.start_step(mesh, needle.motion().next(h));
+    const NeedleStep now = needle.motion().next(h);
+    needle.start_step(mesh, now);
     for (;;) {
       while (needle.wants_edit()) {
         apply(mesh, needle.plan(mesh, still(mesh)));
@@ -92,7 +93,9 @@ struct Bench {
       }
       std::vector<int> nodes = needle.shaft_nodes();
       const TrialView trial(nodes, std::vector<NodeTrial>(nodes.size()));
-      const double lambda = needle.tip_contact() == TipContact::stick ? force : 0;
+      // Where the first cut went too far ahead the tip waits for the needle without a force.
+      const bool waits = Axis::along(mesh.point(needle.track().tip())) > now.to;
+      const double lambda = needle.tip_contact() == TipContact::stick && !waits ? force : 0;
       if (!needle.review(mesh, trial, lambda)) continue;
       needle.commit(mesh, still_shaft(), trial, lambda);
       return;

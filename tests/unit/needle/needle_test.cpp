@@ -57,6 +57,7 @@ TEST(Needle, CutsAsFarAsItMoves) {
       EXPECT_NEAR(tip.y, 0.0317, 1e-15);
     }
     EXPECT_GT(bench.needle.counts().hand_overs, 8);
+    EXPECT_EQ(bench.needle.counts().frozen_contacts, 0);
   }
 }
 
@@ -138,6 +139,29 @@ TEST(Needle, StopsAtTheMembraneUntilItIsPunctured) {
   while (!bench.needle.motion().finished()) bench.step(0.05, 3.1);
   EXPECT_EQ(bench.needle.counts().punctures, 2);  // in and out again
   EXPECT_LT(bench.needle.tip_point(bench.mesh).x, 0.02);
+}
+
+TEST(Needle, FrozenTipKeepsTheContactThatWasSolved) {
+  // Tissue that answers every contact with a reason for the other one. The step is taken at the bound
+  // of changes, and what is reported must be what the last trial was solved with.
+  NeedleParameters parameters = needle_at(0.03, 0.03);
+  parameters.cutting.law = CuttingLaw::lagged;
+  Bench bench(Mesh(tissue(8, 6)), parameters);
+  Needle& needle = bench.needle;
+  needle.start_step(bench.mesh, needle.motion().next(0.05));
+  const std::vector<int> nodes = needle.shaft_nodes();
+  NodeTrial too_far;
+  too_far.u = {-0.01, 0};  // 1 cm ahead of the needle
+  for (int solves = 0;; ++solves) {
+    ASSERT_LT(solves, 100);
+    const TipContact solved = needle.tip_contact();
+    const double lambda = solved == TipContact::stick ? above : 0;
+    const TrialView trial(nodes, {too_far});
+    if (!needle.review(bench.mesh, trial, lambda)) continue;
+    EXPECT_EQ(needle.tip_contact(), solved);
+    EXPECT_GT(needle.counts().frozen_contacts, 0);
+    break;
+  }
 }
 
 TEST(Needle, SameDecisionsInEveryNumbering) {
