@@ -31,21 +31,21 @@ double PlaneStress::von_mises() const {
                    3 * xy * xy);
 }
 
-PlaneStress plane_stress(const LinearSimplex<2>::Block& h, const Moduli& m, Plane plane) {
-  const double trace = h[0][0] + h[1][1];
+PlaneStress plane_stress(const LinearSimplex<2>::Block& h,
+                         double mu,
+                         double pressure,
+                         Plane plane) {
   PlaneStress s;
-  s.xx = m.lambda * trace + 2 * m.mu * h[0][0];
-  s.yy = m.lambda * trace + 2 * m.mu * h[1][1];
-  s.xy = m.mu * (h[0][1] + h[1][0]);
-  s.zz = plane == Plane::strain ? m.lambda * trace : 0.0;
+  s.xx = pressure + 2 * mu * h[0][0];
+  s.yy = pressure + 2 * mu * h[1][1];
+  s.xy = mu * (h[0][1] + h[1][0]);
+  s.zz = plane == Plane::strain ? pressure : 0.0;
   return s;
 }
 
-double strain_energy_density(const LinearSimplex<2>::Block& h, const Moduli& m) {
-  const double trace = h[0][0] + h[1][1];
+double shear_energy_density(const LinearSimplex<2>::Block& h, double mu) {
   const double shear = h[0][1] + h[1][0];
-  return 0.5 * m.lambda * trace * trace +
-         m.mu * (h[0][0] * h[0][0] + h[1][1] * h[1][1] + 0.5 * shear * shear);
+  return mu * (h[0][0] * h[0][0] + h[1][1] * h[1][1] + 0.5 * shear * shear);
 }
 
 }  // namespace stylet

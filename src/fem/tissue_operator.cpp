@@ -10,13 +10,16 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
 
 namespace stylet {
 
 namespace {
 
 constexpr std::size_t dim = 2;
+
+std::size_t position(std::span<const int> sorted, int value) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(sorted, value) - sorted.begin());
+}
 
 LinearSimplex<2> simplex(const Mesh& mesh, int cell) {
   const auto n = mesh.cell(cell);
@@ -85,6 +88,58 @@ void TissueOperator::remix(const Mesh& mesh, std::span<const int> cells) {
   }
 }
 
+std::vector<VolumePatch> TissueOperator::patches(const Mesh& mesh, int node) const {
+  return volume_patches(mesh, node, [this](int cell) { return material(cell).moduli.lambda; });
+}
+
+// Rows of a node from the dilatation that the patches around it share.
+void TissueOperator::add_shared_volume(const Mesh& mesh,
+                                       int node,
+                                       std::span<const int> columns,
+                                       std::vector<double>& rows) const {
+  const std::size_t width = 2 * columns.size();
+  for (const int centre : mesh.neighbours(node)) {
+    for (const VolumePatch& patch : patches(mesh, centre)) {
+      const auto* mine = patch.at(node);
+      if (mine == nullptr) continue;
+      const double factor = parameters_.thickness / patch.compliance;
+      for (std::size_t b = 0; b < patch.nodes.size(); ++b) {
+        const std::size_t at = 2 * position(columns, patch.nodes[b]);
+        for (std::size_t i = 0; i < dim; ++i) {
+          for (std::size_t k = 0; k < dim; ++k) {
+            rows[i * width + at + k] += factor * ((*mine)[i] * patch.divergence[b][k]);
+          }
+        }
+      }
+    }
+  }
+}
+
+VolumetricState TissueOperator::volumetric(const Mesh& mesh,
+                                           int cell,
+                                           std::span<const double> u) const {
+  const double lambda = material(cell).moduli.lambda;
+  VolumetricState state;
+  const auto nodes = mesh.cell(cell);
+  if (averaged()) {
+    for (const int node : nodes) {
+      const auto around = patches(mesh, node);
+      const double p =
+          std::ranges::find(around, mesh.region(cell), &VolumePatch::region)->pressure(u);
+      state.pressure += p / 3;
+      if (lambda > 0) state.energy_density += p * p / (6 * lambda);
+    }
+    return state;
+  }
+  const auto element = simplex(mesh, cell);
+  double trace = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto dof = 2 * static_cast<std::size_t>(nodes[a]);
+    trace += element.gradient[a][0] * u[dof] + element.gradient[a][1] * u[dof + 1];
+  }
+  return {lambda * trace, 0.5 * lambda * trace * trace};
+}
+
 double TissueOperator::element_bound(const Mesh& mesh, int cell) const {
   const auto element = simplex(mesh, cell);
   const auto m = material(cell);
@@ -129,31 +184,24 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
   static const LogEvent event("StyletPattern");
   const LogScope scope(event);
   const int n_owned = end_ - begin_;
-  couplings_.resize(static_cast<std::size_t>(n_owned));
-  std::vector<PetscInt> diagonal(static_cast<std::size_t>(n_owned));
-  std::vector<PetscInt> off_diagonal(static_cast<std::size_t>(n_owned));
+  stiffness_columns_.clear();
+  mass_columns_.clear();
   for (int node = begin_; node < end_; ++node) {
-    auto columns = mesh.neighbours(node);
-    if (needs_flips_ && needs_flips_(node)) {
-      std::set<int> ring(columns.begin(), columns.end());
-      for (const int other : columns) {
-        for (const int far : mesh.neighbours(other)) ring.insert(far);
-      }
-      columns.assign(ring.begin(), ring.end());
-    }
-    const auto at = static_cast<std::size_t>(node - begin_);
-    const auto own = std::ranges::count_if(columns, [&](int c) { return owns(c); });
-    diagonal[at] = static_cast<PetscInt>(own);
-    off_diagonal[at] = static_cast<PetscInt>(columns.size()) - diagonal[at];
-    couplings_[at] = std::move(columns);
+    // A flip joins nodes two edges apart; averaged dilatation couples one edge further on each side.
+    const int near = needs_flips_ && needs_flips_(node) ? 2 : 1;
+    mass_columns_.push_back(nodes_within(mesh, node, near));
+    stiffness_columns_.push_back(averaged() ? nodes_within(mesh, node, near + 1)
+                                            : mass_columns_.back());
   }
-  const auto make = [&](std::size_t columns_a_coupling) {
+  const auto make = [&](const std::vector<std::vector<int>>& columns, int columns_a_coupling) {
     std::vector<PetscInt> d;
     std::vector<PetscInt> o;
-    for (std::size_t i = 0; i < diagonal.size(); ++i) {
+    for (const auto& coupled : columns) {
+      const auto own = std::ranges::count_if(coupled, [&](int c) { return owns(c); });
+      const auto far = static_cast<std::ptrdiff_t>(coupled.size()) - own;
       for (std::size_t k = 0; k < dim; ++k) {
-        d.push_back(diagonal[i] * static_cast<PetscInt>(columns_a_coupling));
-        o.push_back(off_diagonal[i] * static_cast<PetscInt>(columns_a_coupling));
+        d.push_back(static_cast<PetscInt>(own) * columns_a_coupling);
+        o.push_back(static_cast<PetscInt>(far) * columns_a_coupling);
       }
     }
     OwnedMat matrix;
@@ -165,13 +213,13 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
     check(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
     return matrix;
   };
-  stiffness_ = make(2);
+  stiffness_ = make(stiffness_columns_, 2);
   if (parameters_.mass == MassKind::consistent) {
-    mass_ = make(1);
+    mass_ = make(mass_columns_, 1);
   } else {
     lumped_ = make_vector();
   }
-  if (tangent_) tangent_ = make(2);
+  if (tangent_) tangent_ = make(stiffness_columns_, 2);
   std::vector<int> all(static_cast<std::size_t>(n_owned));
   std::iota(all.begin(), all.end(), begin_);
   fill(mesh, all);
@@ -194,29 +242,32 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
   const bool consistent = parameters_.mass == MassKind::consistent;
   const auto c = tangent_combination_;
   for (const int node : owned_nodes) {
-    const auto& coupled = couplings_[static_cast<std::size_t>(node - begin_)];
+    const auto& coupled = stiffness_columns_[static_cast<std::size_t>(node - begin_)];
+    const auto& mass_coupled = mass_columns_[static_cast<std::size_t>(node - begin_)];
     const std::size_t width = 2 * coupled.size();
     k_rows.assign(2 * width, 0.0);
-    m_rows.assign(coupled.size(), 0.0);
+    m_rows.assign(mass_coupled.size(), 0.0);
     double lumped = 0;
     for (const int cell : mesh.cells_around(node)) {
       const auto nodes = mesh.cell(cell);
       const auto element = simplex(mesh, cell);
-      const auto m = material(cell);
+      auto m = material(cell);
+      if (averaged()) m.moduli.lambda = 0;  // see add_shared_volume
       const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
       lumped += t * m.density * element.lumped_mass();
       for (std::size_t b = 0; b < 3; ++b) {
-        const auto at =
-            static_cast<std::size_t>(std::ranges::lower_bound(coupled, nodes[b]) - coupled.begin());
+        const std::size_t at = position(coupled, nodes[b]);
         const auto block = element.stiffness(a, b, m.moduli);
         for (std::size_t i = 0; i < dim; ++i) {
           for (std::size_t k = 0; k < dim; ++k) {
             k_rows[i * width + 2 * at + k] += t * block[i][k];
           }
         }
-        m_rows[at] += t * m.density * element.consistent_mass(a, b);
+        m_rows[position(mass_coupled, nodes[b])] +=
+            t * m.density * element.consistent_mass(a, b);
       }
     }
+    if (averaged()) add_shared_volume(mesh, node, coupled, k_rows);
     columns.resize(width);
     for (std::size_t j = 0; j < coupled.size(); ++j) {
       columns[2 * j] = 2 * coupled[j];
@@ -228,18 +279,21 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
     if (tangent_) {
       a_rows = k_rows;
       for (double& value : a_rows) value *= c.stiffness;
-      for (std::size_t i = 0; i < dim; ++i) {
-        for (std::size_t j = 0; j < coupled.size(); ++j) {
-          const double mass = consistent ? m_rows[j] : (coupled[j] == node ? lumped : 0.0);
-          a_rows[i * width + 2 * j + i] += c.mass * mass;
-        }
+      const auto add_mass = [&](int column, double mass) {
+        const std::size_t j = position(coupled, column);
+        for (std::size_t i = 0; i < dim; ++i) a_rows[i * width + 2 * j + i] += c.mass * mass;
+      };
+      if (consistent) {
+        for (std::size_t j = 0; j < m_rows.size(); ++j) add_mass(mass_coupled[j], m_rows[j]);
+      } else {
+        add_mass(node, lumped);
       }
       check(MatSetValues(tangent_.get(), 2, rows, n, columns.data(), a_rows.data(), INSERT_VALUES));
     }
     if (consistent) {
-      std::vector<PetscInt> own(coupled.size());
+      std::vector<PetscInt> own(mass_coupled.size());
       for (PetscInt i = 0; i < 2; ++i) {
-        for (std::size_t j = 0; j < coupled.size(); ++j) own[j] = 2 * coupled[j] + i;
+        for (std::size_t j = 0; j < own.size(); ++j) own[j] = 2 * mass_coupled[j] + i;
         check(MatSetValues(mass_.get(), 1, &rows[i], static_cast<PetscInt>(own.size()), own.data(),
                            m_rows.data(), INSERT_VALUES));
       }
@@ -267,6 +321,15 @@ bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells
     for (const int node : mesh.cell(cell)) nodes.push_back(node);
   }
   sort_unique(nodes);
+  if (averaged()) {  // rows of a node know the cells around its neighbours
+    std::vector<int> wider;
+    for (const int node : nodes) {
+      const auto around = mesh.neighbours(node);
+      wider.insert(wider.end(), around.begin(), around.end());
+    }
+    nodes = std::move(wider);
+    sort_unique(nodes);
+  }
   remix(mesh, touched_cells);
   // The mesh is replicated, so every rank can see whether any owner lacks a coupling.
   int lacks = 0;
@@ -274,8 +337,11 @@ bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells
   for (const int node : nodes) {
     if (!owns(node)) continue;
     owned.push_back(node);
-    const auto& coupled = couplings_[static_cast<std::size_t>(node - begin_)];
-    if (!std::ranges::includes(coupled, mesh.neighbours(node))) lacks = 1;
+    const auto at = static_cast<std::size_t>(node - begin_);
+    if (!std::ranges::includes(mass_columns_[at], mesh.neighbours(node))) lacks = 1;
+    if (averaged() && !std::ranges::includes(stiffness_columns_[at], nodes_within(mesh, node, 2))) {
+      lacks = 1;
+    }
   }
   if (size_of(comm_) > 1) {
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_));

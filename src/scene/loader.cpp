@@ -4,6 +4,8 @@
 #include "stylet/scene/overrides.hpp"
 #include "stylet/scene/schema.hpp"
 
+#include <algorithm>
+
 namespace stylet {
 
 namespace {
@@ -16,6 +18,13 @@ bool is_given(const Node& document, const std::string& path) {
 void resolve(Scene& scene, const Node& document) {
   const bool is_explicit = scene.time.method == TimeMethod::explicit_newmark;
   if (is_explicit && !is_given(document, "tissue.mass")) scene.tissue.mass = MassKind::lumped;
+  if (scene.tissue.plane == Plane::strain && !is_given(document, "tissue.formulation")) {
+    constexpr double locks = 0.45;
+    const bool averaged = std::ranges::any_of(scene.tissue.regions, [](const RegionTissue& region) {
+      return region.material.poisson_ratio > locks;
+    });
+    if (averaged) scene.tissue.formulation = Formulation::p1_averaged;
+  }
   for (std::size_t i = 0; i < scene.needles.size(); ++i) {
     NeedleParameters& needle = scene.needles[i];
     const std::string law = "needles." + std::to_string(i) + ".cutting.law";

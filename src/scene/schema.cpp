@@ -84,6 +84,8 @@ Codec<TissueParameters> tissue() {
   const Choices<Plane> planes = {{"stress", Plane::stress}, {"strain", Plane::strain}};
   const Choices<MassKind> masses = {{"consistent", MassKind::consistent},
                                     {"lumped", MassKind::lumped}};
+  const Choices<Formulation> formulations = {{"p1", Formulation::p1},
+                                             {"p1_averaged", Formulation::p1_averaged}};
   const auto damping =
       block<RayleighDamping>({field("mass_factor", &RayleighDamping::mass_factor,
                                     number("1/s", not_negative), "Times the mass matrix."),
@@ -92,8 +94,9 @@ Codec<TissueParameters> tissue() {
   return block<T>(
       {field("plane", &T::plane, choice(planes), "Plane stress or plane strain.").required(),
        field("thickness", &T::thickness, number("m", positive), "Extent out of plane."),
-       field("formulation", &T::formulation, choice<Formulation>({{"p1", Formulation::p1}}),
-             "Kind of triangle."),
+       field("formulation", &T::formulation, choice(formulations),
+             "Kind of triangle; p1_averaged does not lock.")
+           .otherwise("p1_averaged in plane strain with a poisson_ratio above 0.45, else p1"),
        field("mass", &T::mass, choice(masses), "Mass matrix.")
            .otherwise("lumped if time.method is explicit, else consistent"),
        field("regions", &T::regions,

@@ -169,8 +169,9 @@ std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
       for (const int other : mesh.neighbours(node)) {
         size = std::max(size, distance(mesh.point(node), mesh.point(other)));
       }
-      // Nodes that the needle may move or whose edges it may flip stand within about two elements.
-      constexpr double reach = 3;
+      // Nodes that the needle may move or whose edges it may flip stand within about two elements;
+      // averaged dilatation hands a flip on to their neighbours.
+      const double reach = scene.tissue.formulation == Formulation::p1_averaged ? 4 : 3;
       return std::ranges::any_of(scene.needles, [&](const NeedleParameters& needle) {
         return std::abs(Axis::across(mesh.point(node)) - needle.height) < reach * size;
       });

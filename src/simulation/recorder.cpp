@@ -153,13 +153,14 @@ void add_cell_fields(const Simulation& simulation,
     }
     const LinearSimplex<2> element({x[0], x[1], x[2]});
     const auto h = element.displacement_gradient(corners);
-    const Moduli m = simulation.tissue().moduli(c);
-    const PlaneStress s = plane_stress(h, m, simulation.scene().tissue.plane);
+    const double mu = simulation.tissue().moduli(c).mu;
+    const VolumetricState volume = simulation.tissue().volumetric(mesh, c, u);
+    const PlaneStress s = plane_stress(h, mu, volume.pressure, simulation.scene().tissue.plane);
     xx.values[i] = s.xx;
     yy.values[i] = s.yy;
     xy.values[i] = s.xy;
     mises.values[i] = s.von_mises();
-    energy.values[i] = strain_energy_density(h, m);
+    energy.values[i] = volume.energy_density + shear_energy_density(h, mu);
     region.values[i] = mesh.region(c);
   }
   for (Field* field : {&xx, &yy, &xy, &mises, &energy})

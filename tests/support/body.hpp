@@ -41,9 +41,11 @@ inline MeshData rectangle(const Grid& grid) {
 inline TissueParameters material(const LinearElastic& elastic,
                                  Plane plane,
                                  MassKind mass = MassKind::consistent,
-                                 double thickness = 1) {
+                                 double thickness = 1,
+                                 Formulation formulation = Formulation::p1) {
   TissueParameters p;
   p.plane = plane;
+  p.formulation = formulation;
   p.thickness = thickness;
   p.mass = mass;
   p.regions = {{"tissue", elastic}};

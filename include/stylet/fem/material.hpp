@@ -22,13 +22,14 @@ struct PlaneStress {
   [[nodiscard]] double von_mises() const;
 };
 
-/// h: displacement gradient; m as plane_moduli gives them. In plane strain
-/// sigma_zz = lambda tr(eps).
+/// h: displacement gradient; pressure: lambda tr(eps) (Pa), see TissueOperator::volumetric. In plane
+/// strain sigma_zz is the pressure.
 [[nodiscard]] PlaneStress plane_stress(const LinearSimplex<2>::Block& h,
-                                       const Moduli& m,
+                                       double mu,
+                                       double pressure,
                                        Plane plane);
 
-/// Strain energy per volume (J/m^3).
-[[nodiscard]] double strain_energy_density(const LinearSimplex<2>::Block& h, const Moduli& m);
+/// mu eps : eps, the strain energy per volume without its volumetric part (J/m^3).
+[[nodiscard]] double shear_energy_density(const LinearSimplex<2>::Block& h, double mu);
 
 }  // namespace stylet

@@ -8,7 +8,9 @@
 namespace stylet {
 
 enum class Plane { stress, strain };
-enum class Formulation { p1 };
+/// p1: the paper's triangle; p1_averaged: its dilatation is averaged around the nodes, so that it does
+/// not lock (volume_patch.hpp).
+enum class Formulation { p1, p1_averaged };
 enum class MassKind { consistent, lumped };
 
 struct LinearElastic {

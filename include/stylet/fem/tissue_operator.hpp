@@ -11,6 +11,7 @@
 
 #include "stylet/fem/element.hpp"
 #include "stylet/fem/parameters.hpp"
+#include "stylet/fem/volume_patch.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/mesh/region_map.hpp"
 #include "stylet/petsc/owned.hpp"
@@ -22,6 +23,12 @@
 #include <vector>
 
 namespace stylet {
+
+/// The volumetric part of a cell's stress and energy.
+struct VolumetricState {
+  double pressure = 0;        ///< lambda tr(eps), averaged as the formulation does (Pa)
+  double energy_density = 0;  ///< J/m^3
+};
 
 /// Rows of  mass M + stiffness K.
 struct Combination {
@@ -75,8 +82,12 @@ class TissueOperator {
   /// Moduli (Pa) and density (kg/m^3) of a cell; a mixture where an edited cell covers regions.
   [[nodiscard]] Moduli moduli(int cell) const;
   [[nodiscard]] double density(int cell) const;
+  /// u: displacements of all dofs (m).
+  [[nodiscard]] VolumetricState volumetric(const Mesh& mesh,
+                                           int cell,
+                                           std::span<const double> u) const;
   /// Largest eigenvalue of the lumped element pair (K_e, M_e), at most 7 % too high, (rad/s)^2. The
-  /// maximum over the cells bounds the largest eigenvalue of M^-1 K.
+  /// maximum over the cells bounds the largest eigenvalue of M^-1 K, of both formulations.
   [[nodiscard]] double element_bound(const Mesh& mesh, int cell) const;
 
  private:
@@ -88,6 +99,14 @@ class TissueOperator {
   void fill(const Mesh& mesh, std::span<const int> owned_nodes);
   [[nodiscard]] CellMaterial material(int cell) const;
   void remix(const Mesh& mesh, std::span<const int> cells);
+  [[nodiscard]] bool averaged() const {
+    return parameters_.formulation == Formulation::p1_averaged;
+  }
+  [[nodiscard]] std::vector<VolumePatch> patches(const Mesh& mesh, int node) const;
+  void add_shared_volume(const Mesh& mesh,
+                         int node,
+                         std::span<const int> columns,
+                         std::vector<double>& rows) const;
 
   MPI_Comm comm_;
   std::vector<int> first_node_;
@@ -99,7 +118,9 @@ class TissueOperator {
   std::optional<RegionMap> region_map_;
   std::vector<int> cell_region_;
   std::map<int, CellMaterial> mixed_;
-  std::vector<std::vector<int>> couplings_;  ///< of owned nodes: column nodes, ascending
+  /// Of owned nodes: column nodes of K and of M, ascending. The same unless the formulation averages.
+  std::vector<std::vector<int>> stiffness_columns_;
+  std::vector<std::vector<int>> mass_columns_;
   OwnedMat stiffness_;
   OwnedMat mass_;
   OwnedVec lumped_;
