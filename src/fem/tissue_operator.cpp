@@ -96,10 +96,15 @@ std::vector<VolumePatch> TissueOperator::patches(const Mesh& mesh, int node) con
 void TissueOperator::add_shared_volume(const Mesh& mesh,
                                        int node,
                                        std::span<const int> columns,
+                                       PatchCache& cache,
                                        std::vector<double>& rows) const {
+  constexpr std::size_t several_fronts = 1 << 14;  // of nodes in the order of the numbering
+  if (cache.size() > several_fronts) cache.clear();
   const std::size_t width = 2 * columns.size();
   for (const int centre : mesh.neighbours(node)) {
-    for (const VolumePatch& patch : patches(mesh, centre)) {
+    const auto [found, is_new] = cache.try_emplace(centre);
+    if (is_new) found->second = patches(mesh, centre);
+    for (const VolumePatch& patch : found->second) {
       const auto* mine = patch.at(node);
       if (mine == nullptr) continue;
       const double factor = parameters_.thickness / patch.compliance;
@@ -238,6 +243,7 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
   std::vector<double> m_rows;
   std::vector<double> a_rows;
   std::vector<PetscInt> columns;
+  PatchCache cache;
   const double t = parameters_.thickness;
   const bool consistent = parameters_.mass == MassKind::consistent;
   const auto c = tangent_combination_;
@@ -263,11 +269,10 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
             k_rows[i * width + 2 * at + k] += t * block[i][k];
           }
         }
-        m_rows[position(mass_coupled, nodes[b])] +=
-            t * m.density * element.consistent_mass(a, b);
+        m_rows[position(mass_coupled, nodes[b])] += t * m.density * element.consistent_mass(a, b);
       }
     }
-    if (averaged()) add_shared_volume(mesh, node, coupled, k_rows);
+    if (averaged()) add_shared_volume(mesh, node, coupled, cache, k_rows);
     columns.resize(width);
     for (std::size_t j = 0; j < coupled.size(); ++j) {
       columns[2 * j] = 2 * coupled[j];

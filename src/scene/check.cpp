@@ -33,6 +33,7 @@ class Rules {
     check_loads();
     for (std::size_t i = 0; i < scene_.needles.size(); ++i) {
       check_cutting(scene_.needles[i].cutting, item("needles", i) + ".cutting");
+      check_increment(scene_.needles[i], item("needles", i));
       check_friction(scene_.needles[i].friction, item("needles", i) + ".friction");
       check_motion(scene_.needles[i].motion, item("needles", i) + ".motion");
     }
@@ -108,6 +109,20 @@ class Rules {
     require(cutting.stiffness_share == 0 || cutting.reference_youngs_modulus > 0,
             path + ".reference_youngs_modulus",
             "a stiffness > 0 Pa, because stiffness_share is not 0");
+  }
+
+  // The increment law cuts once a step: a shorter increment could not keep up with the needle.
+  void check_increment(const NeedleParameters& needle, const std::string& path) const {
+    if (needle.cutting.law != CuttingLaw::increment) return;
+    if (scene_.time.method == TimeMethod::explicit_newmark) return;  // its steps are far shorter
+    for (const Action& action : needle.motion) {
+      const double travel = action.speed * scene_.time.step;
+      require(action.kind != ActionKind::insert || needle.cutting.increment >= travel,
+              path + ".cutting.increment",
+              "at least " + exact(travel) +
+                  " m, which is what the needle travels in a time.step of " +
+                  exact(scene_.time.step) + " s");
+    }
   }
 
   void check_friction(const std::optional<FrictionParameters>& friction,

@@ -45,9 +45,12 @@ Numbered numbered_mesh() {
   return {std::move(mesh), std::move(numbering.first_node)};
 }
 
-TissueParameters parameters(MassKind mass, double core_modulus) {
+using Kind = std::pair<MassKind, Formulation>;
+
+TissueParameters parameters(Kind kind, double core_modulus) {
   TissueParameters p;
-  p.mass = mass;
+  p.mass = kind.first;
+  p.formulation = kind.second;
   p.regions = {{"tissue", {60e3, 0.45, 1000}}, {"core", {core_modulus, 0.45, 1000}}};
   p.damping = RayleighDamping{3, 0.05};
   return p;
@@ -96,7 +99,7 @@ void expect_same(const TissueOperator& mine, const TissueOperator& other) {
   EXPECT_EQ(all, gather_all(other.lumped_mass())) << "row-sum mass";
 }
 
-class Operators : public testing::TestWithParam<MassKind> {};
+class Operators : public testing::TestWithParam<Kind> {};
 
 TEST_P(Operators, SameBitsAsOnOneRank) {
   const auto [mesh, first_node] = numbered_mesh();
@@ -206,11 +209,17 @@ TEST_P(Operators, MixedMaterialsDependOnTheMeshAlone) {
   expect_same(step_by_step, at_once);
 }
 
-INSTANTIATE_TEST_SUITE_P(Mass,
+INSTANTIATE_TEST_SUITE_P(Kinds,
                          Operators,
-                         testing::Values(MassKind::consistent, MassKind::lumped),
-                         [](const auto& mass) {
-                           return mass.param == MassKind::lumped ? "lumped" : "consistent";
+                         testing::Values(Kind{MassKind::consistent, Formulation::p1},
+                                         Kind{MassKind::lumped, Formulation::p1},
+                                         Kind{MassKind::consistent, Formulation::p1_averaged},
+                                         Kind{MassKind::lumped, Formulation::p1_averaged}),
+                         [](const auto& kind) {
+                           const bool averaged = kind.param.second == Formulation::p1_averaged;
+                           return std::string(kind.param.first == MassKind::lumped ? "lumped"
+                                                                                   : "consistent") +
+                                  (averaged ? "_averaged" : "");
                          });
 
 TEST(NeedleEdits, OperatorAfterAnInsertionEqualsFresh) {

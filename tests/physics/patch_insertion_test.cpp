@@ -63,8 +63,13 @@ void expect_fresh_tangent(const Simulation& simulation, double h) {
             1e-14 * norm_of(tissue.tangent_matrix()));
 }
 
-TEST(PatchDuringInsertion, HoldsAtEveryMomentOfTheReferenceScene) {
-  Simulation simulation(MPI_COMM_WORLD, reference_scene(), false);
+/// Of the tissue, as the scene names it.
+class PatchDuringInsertion : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Formulations, PatchDuringInsertion, testing::Values("p1", "p1_averaged"));
+
+TEST_P(PatchDuringInsertion, HoldsAtEveryMomentOfTheReferenceScene) {
+  Simulation simulation(MPI_COMM_WORLD, reference_scene({"tissue.formulation=" + GetParam()}),
+                        false);
   int n = 0;
   int checked = 0;
   int hand_overs = 0;
@@ -82,8 +87,9 @@ TEST(PatchDuringInsertion, HoldsAtEveryMomentOfTheReferenceScene) {
   EXPECT_GT(hand_overs, 10);
 }
 
-TEST(PatchDuringInsertion, HoldsAfterEdgeFlipsOnARaggedMesh) {
-  Simulation simulation(MPI_COMM_WORLD, scene_of(R"(
+TEST_P(PatchDuringInsertion, HoldsAfterEdgeFlipsOnARaggedMesh) {
+  Simulation simulation(MPI_COMM_WORLD,
+                        scene_of(R"(
 mesh: {rectangle: {size: [8 cm, 6 cm], columns: 32, rows: 24, jitter: 0.29}}
 tissue:
   plane: stress
@@ -94,7 +100,8 @@ needles:
     cutting: {cutting_force: 1 N, tip_length: 6 mm}
     motion: [insert: {speed: 2 cm/s, position: 2 cm}]
 time: {method: quasi_static, step: 20 ms}
-)"),
+)",
+                                 {"tissue.formulation=" + GetParam()}),
                         false);
   int flips = 0;
   run_to_end(simulation, [&](const StepRecord&) {
@@ -106,9 +113,10 @@ time: {method: quasi_static, step: 20 ms}
   EXPECT_GT(flips, 5);
 }
 
-TEST(PatchDuringInsertion, HoldsAfterTheSkinNodeSlid) {
+TEST_P(PatchDuringInsertion, HoldsAfterTheSkinNodeSlid) {
   // Half-way between skin nodes 2.5 mm apart.
-  Simulation simulation(MPI_COMM_WORLD, scene_of(R"(
+  Simulation simulation(MPI_COMM_WORLD,
+                        scene_of(R"(
 mesh: {rectangle: {size: [4 cm, 3 cm], columns: 16, rows: 12, jitter: 0.2}}
 tissue:
   plane: strain
@@ -120,7 +128,8 @@ needles:
     cutting: {cutting_force: 0.3 N, tip_length: 6 mm}
     motion: [insert: {speed: 5 cm/s, depth: 15 mm}]
 time: {method: explicit, step: 1 ms}
-)"),
+)",
+                                 {"tissue.formulation=" + GetParam()}),
                         false);
   int moved = 0;
   int n = 0;

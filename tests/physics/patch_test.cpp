@@ -97,10 +97,9 @@ TEST_P(Patch, StressOfALinearFieldIsConstant) {
       return LinearSimplex<2>::Vector{value.x, value.y};
     };
     const LinearSimplex<2> element({at(0), at(1), at(2)});
-    const auto s = plane_stress(element.displacement_gradient({u(0), u(1), u(2)}),
-                                body.tissue.moduli(c).mu,
-                                body.tissue.volumetric(body.mesh, c, all).pressure,
-                                GetParam().plane);
+    const auto s =
+        plane_stress(element.displacement_gradient({u(0), u(1), u(2)}), body.tissue.moduli(c).mu,
+                     body.tissue.volumetric(body.mesh, c, all).pressure, GetParam().plane);
     EXPECT_NEAR(s.xx, exact.xx, tolerance);
     EXPECT_NEAR(s.yy, exact.yy, tolerance);
     EXPECT_NEAR(s.xy, exact.xy, tolerance);

@@ -20,6 +20,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 namespace stylet {
@@ -95,6 +96,7 @@ class TissueOperator {
     Moduli moduli;
     double density;
   };
+  using PatchCache = std::unordered_map<int, std::vector<VolumePatch>>;
   void make_pattern(const Mesh& mesh);
   void fill(const Mesh& mesh, std::span<const int> owned_nodes);
   [[nodiscard]] CellMaterial material(int cell) const;
@@ -106,6 +108,7 @@ class TissueOperator {
   void add_shared_volume(const Mesh& mesh,
                          int node,
                          std::span<const int> columns,
+                         PatchCache& cache,
                          std::vector<double>& rows) const;
 
   MPI_Comm comm_;

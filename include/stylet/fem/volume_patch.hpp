@@ -20,9 +20,9 @@ namespace stylet {
 
 struct VolumePatch {
   int region = 0;
-  std::vector<int> nodes;                               ///< ascending
-  std::vector<LinearSimplex<2>::Vector> divergence;     ///< int phi_n div N_b, of each node (m)
-  double compliance = 0;                                ///< int phi_n / lambda (m^2/Pa); W_n
+  std::vector<int> nodes;                            ///< ascending
+  std::vector<LinearSimplex<2>::Vector> divergence;  ///< int phi_n div N_b, of each node (m)
+  double compliance = 0;                             ///< int phi_n / lambda (m^2/Pa); W_n
 
   /// d divergence of a node or null.
   [[nodiscard]] const LinearSimplex<2>::Vector* at(int node) const;

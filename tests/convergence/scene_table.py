@@ -1,0 +1,168 @@
+#!/usr/bin/python3
+"""Placement error of the reference scene under mesh and step refinement, as Markdown tables.
+
+usage: scene_table.py FOLDER [--program build/stylet] [--tables mesh,step,damping,strain] [--finest 2]
+
+The needle is pushed 3 mm beyond the usual depth. E is the mean, over the last 6 mm of its way and
+over needle heights of 30.5, 32 and 33.5 mm, of the distance between the needle's tip and the place
+in the tissue at rest that it stands in: the placement error of a seed that would be left there for
+a target there. FOLDER keeps one line a run (runs.csv): what is there is not run again.
+"""
+import argparse
+import csv
+import itertools
+import json
+import pathlib
+import subprocess
+import time
+
+import numpy as np
+
+HEIGHTS = ("32 mm", "30.5 mm", "33.5 mm")
+START, SPEED, WINDOW = 0.08, 0.02, (0.032, 0.038)  # m, m/s, m
+BASE = {"expect": "null", "output.snapshots": "null", "time.step": "10 ms", "time.until": "settled",
+        "needles.0.motion": "[{insert: {speed: 2 cm/s, position: 3.2 cm}}]"}
+SCENE = pathlib.Path(__file__).resolve().parents[2] / "input/prostate.yaml"
+
+
+def placement(folder, height):
+    """Mean (m) of the error over the window."""
+    with open(folder / "history.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    column = lambda name: np.array([float(row[name]) for row in rows])
+    needle = START - SPEED * column("time [s]")
+    error = np.hypot(column("tip_reference_x [m]") - needle, column("tip_reference_y [m]") - height)
+    inside = (needle > WINDOW[0] - 1e-9) & (needle < WINDOW[1] + 1e-9)
+    x, e = -needle[inside], error[inside]
+    if len(e) < 2:
+        raise ValueError("the window holds less than two steps")
+    return np.trapz(e, x) / (x[-1] - x[0])
+
+
+class Runs:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        folder.mkdir(parents=True, exist_ok=True)
+        self.table = folder / "runs.csv"
+        self.known = {}
+        if self.table.exists():
+            with open(self.table, newline="") as file:
+                self.known = {row[0]: row[1:] for row in csv.reader(file)}
+
+    def one(self, height, settings):
+        """(E in mm or None, seconds, what went wrong)."""
+        settings = BASE | {"needles.0.height": height} | settings
+        key = json.dumps(settings, sort_keys=True)
+        if key not in self.known:
+            out = self.folder / "run"
+            command = [self.program, "run", str(SCENE), "--quiet", "--force", "--output", str(out)]
+            for name, value in settings.items():
+                command += ["--set", f"{name}={value}"]
+            start = time.monotonic()
+            done = subprocess.run(command, capture_output=True, text=True)
+            seconds = f"{time.monotonic() - start:.1f}"
+            if done.returncode == 0:
+                error = 1e3 * placement(out, float(height.split()[0]) / 1e3)
+                self.known[key] = [f"{error:.6f}", seconds, ""]
+            else:
+                self.known[key] = ["", seconds, " ".join(done.stderr.split())[-300:]]
+            with open(self.table, "a", newline="") as file:
+                csv.writer(file).writerow([key] + self.known[key])
+        error, seconds, reason = self.known[key]
+        return (float(error) if error else None), float(seconds), reason
+
+    def mean(self, settings, n_heights):
+        found = [self.one(height, settings)[0] for height in HEIGHTS[:n_heights]]
+        return None if None in found else sum(found) / len(found)
+
+    def row(self, name, columns, n_heights):
+        """One line of a table; columns: settings of each."""
+        values = [self.mean(settings, n) for settings, n in zip(columns, n_heights)]
+        text = [f"{v:.3f}" if v is not None else "refused" for v in values]
+        orders = ["" for _ in values]
+        for i in range(2, len(values)):
+            if None in values[i - 2:i + 1]:
+                continue
+            ratio = (values[i - 2] - values[i - 1]) / ((values[i - 1] - values[i]) or np.nan)
+            orders[i] = f" ({np.log2(ratio):.1f})" if ratio > 0 else " (-)"
+        print(f"| {name} | " + " | ".join(t + o for t, o in zip(text, orders)) + " |", flush=True)
+
+
+SCHEMES = {"backward Euler": {"time.scheme": "backward_euler"},
+           "generalised alpha, rho 0.8": {"time.scheme": "generalised_alpha",
+                                          "time.rho_infinity": "0.8"},
+           "average acceleration": {"time.scheme": "average_acceleration"}}
+TIPS = {"6 mm tip": {}, "point tip": {"needles.0.cutting.tip_length": "0 mm"}}
+LAWS = {"consistent": {}, "lagged": {"needles.0.cutting.law": "lagged"},
+        "increment": {"needles.0.cutting.law": "increment"}}
+TRIANGLES = [1226 * 4**level for level in range(5)]
+
+
+def header(first, columns):
+    print(f"| {first} | " + " | ".join(columns) + " |\n|---|" + "---:|" * len(columns))
+
+
+def mesh_rows(runs, name, settings, finest):
+    """At one height as far as asked for, and the mean of three where that is cheap."""
+    settings = settings | {"time.step": "20 ms"}  # moves E by 0.005 mm, see the table of steps
+    for n_heights, last in ((1, finest), (3, min(finest, 2))):
+        runs.row(f"{name}, {n_heights} height" + "s" * (n_heights > 1),
+                 [settings | {"mesh.refine": level} for level in range(last + 1)],
+                 [n_heights] * (last + 1))
+
+
+def mesh_table(runs, finest):
+    header("E, mm (order)", [f"{TRIANGLES[level]}" for level in range(finest + 1)])
+    for tip, settings in TIPS.items():
+        mesh_rows(runs, "plane stress, " + tip, settings, finest)
+
+
+def strain_table(runs, finest):
+    header("E, mm (order)", [f"{TRIANGLES[level]}" for level in range(finest + 1)])
+    for nu, formulation in itertools.product(("0.3", "0.49", "0.4999"), ("p1", "p1_averaged")):
+        settings = {"tissue.plane": "strain", "tissue.formulation": formulation} | {
+            f"tissue.regions.{region}.poisson_ratio": nu for region in ("prostate", "surrounding")}
+        mesh_rows(runs, f"nu {nu}, {formulation}", settings, finest)
+
+
+def step_table(runs, _):
+    steps = ("40 ms", "20 ms", "10 ms", "5 ms", "2.5 ms", "1.25 ms")
+    header("E, mm (order)", steps)
+    for (scheme, a), (tip, b), (law, c) in itertools.product(SCHEMES.items(), TIPS.items(),
+                                                             LAWS.items()):
+        columns = [a | b | c | {"time.step": step} for step in steps]
+        if law == "increment":  # a quarter more than the needle travels in a step
+            for column, step in zip(columns, steps):
+                length = 1.25 * SPEED * float(step.split()[0])
+                column["needles.0.cutting.increment"] = f"{length:g} mm"
+        runs.row(f"{scheme}, {tip}, {law}", columns, [1] * len(steps))
+
+
+def damping_table(runs, _):
+    """Average acceleration with less and less of what the reference scene damps and rubs."""
+    steps = ("20 ms", "10 ms", "5 ms", "2.5 ms")
+    header("E, mm (order)", steps)
+    without = {"": {}, ", no friction": {"needles.0.friction": "null"},
+               ", no damping": {"tissue.damping": "null"}}
+    for (scheme, a), (name, b) in itertools.product(SCHEMES.items(), without.items()):
+        runs.row(f"{scheme}, 6 mm tip{name}", [a | b | {"time.step": step} for step in steps],
+                 [1] * len(steps))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--program", default="build/stylet")
+    parser.add_argument("--tables", default="mesh,step,damping,strain")
+    parser.add_argument("--finest", type=int, default=2, help="finest level of refinement, 0 to 4")
+    given = parser.parse_args()
+    runs = Runs(given.program, given.folder)
+    tables = {"mesh": mesh_table, "step": step_table, "damping": damping_table,
+              "strain": strain_table}
+    for name in given.tables.split(","):
+        print(f"\n{name}\n")
+        tables[name](runs, given.finest)
+
+
+if __name__ == "__main__":
+    main()
