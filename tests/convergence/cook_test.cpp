@@ -1,6 +1,5 @@
 // Cook's membrane in plane strain, nu = 0.3, p1: a tapered plate held on the left under shear.
 #include "benchmarks.hpp"
-
 #include <gtest/gtest.h>
 
 namespace stylet {

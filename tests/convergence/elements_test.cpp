@@ -1,7 +1,10 @@
 // Both elements near incompressibility: p1_averaged does not lock. The table of all meshes is in
 // tests/README.md (element_table).
 #include "benchmarks.hpp"
+#include "support/modes.hpp"
 #include <gtest/gtest.h>
+
+#include <numeric>
 
 namespace stylet {
 namespace {
@@ -76,6 +79,52 @@ TEST_P(Elements, AveragingNeverStiffens) {
   const auto plain = clamped_frequencies(square(16, GetParam()), 0.49, Formulation::p1);
   const auto soft = clamped_frequencies(square(16, GetParam()), 0.49, averaged);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(soft[i], plain[i]);
+}
+
+// Pressures q with sum_n q_n int phi_n div v = 0 for every v that the supports allow.
+int n_pressure_modes(MeshData data, const std::vector<std::string>& held_curves) {
+  const Body body(std::move(data), material({1, 0.3, 1}, Plane::strain));
+  const Mesh& mesh = body.mesh;
+  const auto held_dofs = dofs_of(mesh, held_curves);
+  const auto n = static_cast<std::size_t>(mesh.n_nodes());
+  std::vector<std::vector<double>> b(n, std::vector<double>(2 * n, 0.0));
+  for (std::size_t node = 0; node < n; ++node) {
+    const auto patches = volume_patches(mesh, static_cast<int>(node), [](int) { return 1.0; });
+    for (std::size_t i = 0; i < patches[0].nodes.size(); ++i) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        const int dof = 2 * patches[0].nodes[i] + static_cast<int>(k);
+        if (std::ranges::binary_search(held_dofs, dof)) continue;
+        b[node][static_cast<std::size_t>(dof)] = patches[0].divergence[i][k];
+      }
+    }
+  }
+  std::vector<double> square(n * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      square[i * n + j] = std::inner_product(b[i].begin(), b[i].end(), b[j].begin(), 0.0);
+    }
+  }
+  const auto values = symmetric_eigenvalues(square);
+  constexpr double zero = 1e-12;
+  return static_cast<int>(
+      std::ranges::count_if(values, [&](double v) { return v < zero * values.back(); }));
+}
+
+TEST_P(Elements, PressureModesDoNotGrowInNumber) {
+  for (const double jitter : {0.0, 0.2}) {
+    const auto modes = [&](int n, const std::vector<std::string>& held_curves) {
+      return n_pressure_modes(
+          rectangle({.columns = n, .rows = n, .jitter = jitter, .diagonals = GetParam()}),
+          held_curves);
+    };
+    // The constant pressure, and patches in corners whose nodes are all held.
+    const std::vector<std::string> all{"left", "right", "top", "bottom"};
+    EXPECT_LE(modes(6, all), 8);
+    EXPECT_EQ(modes(9, all), modes(6, all));
+    // Held on three sides, as the reference scene: no constant pressure.
+    EXPECT_LE(modes(6, {"left", "top", "bottom"}), 4);
+    EXPECT_EQ(modes(9, {"left", "top", "bottom"}), modes(6, {"left", "top", "bottom"}));
+  }
 }
 
 }  // namespace

@@ -50,4 +50,17 @@ inline DenseModes dense_modes(const TissueOperator& tissue, std::span<const int>
   return modes;
 }
 
+/// Ascending; matrix: n x n.
+inline std::vector<double> symmetric_eigenvalues(std::vector<double> matrix) {
+  const auto size = static_cast<std::size_t>(std::lround(std::sqrt(matrix.size())));
+  auto n = static_cast<PetscBLASInt>(size);
+  auto room = static_cast<PetscBLASInt>(34 * size);
+  PetscBLASInt info = 0;
+  std::vector<double> values(size);
+  std::vector<double> work(34 * size);
+  LAPACKsyev_("N", "U", &n, matrix.data(), &n, values.data(), work.data(), &room, &info);
+  if (info != 0) throw std::runtime_error("dense eigenvalue solver failed");
+  return values;
+}
+
 }  // namespace stylet
