@@ -1,6 +1,7 @@
 // Natural frequencies of the supported tissue, K x = omega^2 M x, through SLEPc.
 #pragma once
 
+#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 
 #include <span>
@@ -14,5 +15,10 @@ namespace stylet {
 [[nodiscard]] std::vector<double> natural_frequencies(const TissueOperator& tissue,
                                                       std::span<const int> held_dofs,
                                                       int n);
+
+/// Collective. The largest angular frequency (rad/s) of M^-1 K on the motions that leave the
+/// constraints' dofs and mean where they are. Needs a lumped operator. SLEPc options: -eps_*.
+[[nodiscard]] double largest_frequency(const TissueOperator& tissue,
+                                       const ConstraintSet& constraints);
 
 }  // namespace stylet
