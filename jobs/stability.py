@@ -71,6 +71,9 @@ def draw_limits(steps, ratios, rows):
         ratios.plot([], [], marker, color=DARK, label=label)
     quality = [row for row in rows if damping_text(row) == kinds[0]]
     ratios.plot([1e3 * row["tip_depth"] for row in quality],
+                [row["row_sum_over_measured"] for row in quality], "-", marker="s", color="#9d7bb0",
+                markersize=4, label="row sums / measured, no damping")
+    ratios.plot([1e3 * row["tip_depth"] for row in quality],
                 [row["worst_quality"] for row in quality], ":", color="grey", label="worst quality")
     steps.set_ylabel("largest stable explicit step (ms)")
     ratios.set_ylabel("ratio")
@@ -83,10 +86,10 @@ def draw_growth(axes, rows):
     rows = sorted(rows, key=lambda row: row["step_over_limit"])
     step = [row["step_over_limit"] for row in rows]
     schemes = [name.removesuffix("_last") for name in rows[0] if name.endswith("_last")]
-    for scheme, colour in zip(schemes, COLOURS):
+    for scheme, colour, width in zip(schemes, COLOURS, (4, 2, 1.5)):  # lines that coincide
         for kind, line in (("largest", "-"), ("last", "--")):
             axes.loglog(step, [max(SMALLEST, row[f"{scheme}_{kind}"]) for row in rows], line,
-                        marker="o", markersize=4, color=colour,
+                        marker="o", markersize=4, color=colour, linewidth=width,
                         label=scheme.replace("_", " ") if kind == "largest" else None)
     axes.axvline(1, color="grey", linewidth=0.8)
     axes.plot([], [], "-", color=DARK, label="largest")

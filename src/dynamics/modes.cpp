@@ -105,7 +105,7 @@ std::vector<double> natural_frequencies(const TissueOperator& tissue,
   return frequencies;
 }
 
-double largest_frequency(const TissueOperator& tissue, const ConstraintSet& constraints) {
+LargestFrequency largest_frequency(const TissueOperator& tissue, const ConstraintSet& constraints) {
   std::vector<int> held;
   for (const auto& dof : constraints.dofs) held.push_back(dof.dof);
   std::ranges::sort(held);
@@ -124,6 +124,8 @@ double largest_frequency(const TissueOperator& tissue, const ConstraintSet& cons
   check(VecSqrtAbs(scale.get()));
   check(VecReciprocal(scale.get()));
   check(MatDiagonalScale(a.get(), scale.get(), scale.get()));
+  PetscReal row_sums = 0;
+  check(MatNorm(a.get(), NORM_INFINITY, &row_sums));
 
   OwnedEps eps;
   check(EPSCreate(tissue.comm(), eps.put()));
@@ -151,9 +153,9 @@ double largest_frequency(const TissueOperator& tissue, const ConstraintSet& cons
   PetscInt found = 0;
   check(EPSGetConverged(eps.get(), &found));
   if (found < 1) throw NumericalError("the largest frequency did not converge");
-  PetscScalar value = 0;
-  check(EPSGetEigenvalue(eps.get(), 0, &value, nullptr));
-  return std::sqrt(std::max(0.0, value));
+  PetscScalar squared = 0;
+  check(EPSGetEigenvalue(eps.get(), 0, &squared, nullptr));
+  return {squared, row_sums};
 }
 
 }  // namespace stylet

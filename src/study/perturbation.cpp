@@ -45,7 +45,7 @@ class ExplicitTrial {
   [[nodiscard]] double predicted() const { return integrator_.stable_step(); }
 
   [[nodiscard]] bool grows(double h) {
-    constexpr int most_steps = 3000;
+    constexpr int most_steps = 2000;
     constexpr int steps_a_look = 25;
     constexpr double grown = 1e4;
     check(VecSet(state_.u.get(), 0));

@@ -133,8 +133,8 @@ class Study {
     TissueParameters parameters = scene_.tissue;
     parameters.mass = MassKind::lumped;
     parameters.damping.reset();
-    const double omega = largest_frequency(*tissue_at(comm_, original_, mesh, parameters), held);
-    if (result_.dampings.empty()) choose_dampings(omega);
+    const auto frequency = largest_frequency(*tissue_at(comm_, original_, mesh, parameters), held);
+    if (result_.dampings.empty()) choose_dampings(frequency.squared);
     for (const auto& damping : result_.dampings) {
       parameters.damping = damping;
       const auto tissue = tissue_at(comm_, original_, mesh, parameters);
@@ -143,7 +143,8 @@ class Study {
       for (const int c : all) bound = std::max(bound, tissue->element_bound(mesh, c));
       limit.damping = damping;
       limit.element = stable_step(bound, damping.stiffness_factor);
-      limit.spectral = stable_step(omega * omega, damping.stiffness_factor);
+      limit.row_sums = stable_step(frequency.row_sums, damping.stiffness_factor);
+      limit.spectral = stable_step(frequency.squared, damping.stiffness_factor);
       limit.measured = measured_limit(*tissue, mesh, held, v.get());
       result_.limits.push_back(limit);
       show("stable step at " + std::to_string(limit.tip_depth) + " m");
@@ -152,7 +153,8 @@ class Study {
 
   // The scene's own factors where explicit stepping can bear them, else ones that are felt: as shares
   // of the largest frequency, 2 % by mass and xi = 0.1 by stiffness.
-  void choose_dampings(double omega) {
+  void choose_dampings(double omega_squared) {
+    const double omega = std::sqrt(omega_squared);
     constexpr double by_mass = 0.02;
     constexpr double by_stiffness = 0.2;
     constexpr double bearable = 0.5;
@@ -160,7 +162,7 @@ class Study {
     result_.mass_of_scene = own.mass_factor > 0;
     result_.stiffness_of_scene =
         own.stiffness_factor > 0 &&
-        stable_step(omega * omega, own.stiffness_factor) > bearable * stable_step(omega * omega, 0);
+        stable_step(omega_squared, own.stiffness_factor) > bearable * stable_step(omega_squared, 0);
     result_.dampings = {
         {},
         {result_.mass_of_scene ? own.mass_factor : by_mass * omega, 0},

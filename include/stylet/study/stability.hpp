@@ -25,6 +25,7 @@ struct ExplicitLimit {
   double tip_depth = 0;  ///< m, below the skin
   RayleighDamping damping;
   double element = 0;   ///< from the element bound, without time.safety
+  double row_sums = 0;  ///< from the largest row sum of M^-1/2 K M^-1/2, a bound as safe
   double spectral = 0;  ///< from the largest omega of M^-1 K (SLEPc)
   double measured = 0;  ///< by bisection with ExplicitNewmark
   double worst_quality = 0;
