@@ -221,9 +221,9 @@ class Study {
         const Energies& energies = *insertion.simulation().energies();
         lowest = std::min(lowest, energies.balance_error());
         balance.external = energies.external;
-        balance.lost = energies.balance_error() / energies.external;
+        balance.balance_error = energies.balance_error() / energies.external;
       }
-      balance.made = std::max(0.0, -lowest) / balance.external;
+      balance.lowest_balance_error = lowest / balance.external;
     } catch (const NumericalError& error) {
       balance.failure = error.what();
     }

@@ -116,8 +116,8 @@ Json summary_of(const Scene& scene, const Stability& result) {
                {"step", b.step},
                {"steps", b.steps},
                {"external_work", b.external},
-               {"energy_lost", b.lost},
-               {"energy_made", b.made}};
+               {"balance_error", b.balance_error},
+               {"lowest_balance_error", b.lowest_balance_error}};
     if (!b.failure.empty()) entry["failure"] = b.failure;
     summary["insertions"].push_back(entry);
   }
@@ -169,14 +169,18 @@ void print(const Scene& scene, const Stability& result) {
   }
   if (!result.balances.empty()) {
     std::printf(
-        "\nwhole insertion with the scene's damping; shares of the work of the hand\n"
+        "\nwhole insertion with the scene's damping: balance error as in history.csv over the work "
+        "of the "
+        "hand\n(positive: lost by the scheme; negative: by edits of the mesh, or damping of "
+        "velocities "
+        "that alternate,\nwhich the balance books too high)\n"
         "%10s  %-20s  %6s  %12s  %12s\n",
-        "h (ms)", "scheme", "steps", "energy lost", "energy made");
+        "h (ms)", "scheme", "steps", "at the end", "lowest");
   }
   for (const auto& b : result.balances) {
     std::printf("%10.3f  %-20s  %6d  ", 1e3 * b.step, name_of(b.scheme), b.steps);
     if (b.failure.empty()) {
-      std::printf("%12.2e  %12.2e\n", b.lost, b.made);
+      std::printf("%12.2e  %12.2e\n", b.balance_error, b.lowest_balance_error);
     } else {
       std::printf("failed: %s\n", b.failure.c_str());
     }
