@@ -23,6 +23,8 @@ Examples:
   stylet run input/prostate.yaml --set time.until=implanted --set mesh.refine=1
   stylet check input/prostate.yaml
   stylet modes 6 input/prostate.yaml
+  stylet stability input/prostate.yaml --set tissue.damping.stiffness_factor=null \
+      --set tissue.damping.mass_factor="200 1/s"
   stylet schema
   stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg
 
@@ -104,6 +106,16 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   CLI::App* modes = app.add_subcommand("modes", "smallest natural frequencies of a scene's tissue");
   modes->add_option("n", n_modes, "how many")->required();
   takes_scene(modes);
+  StabilityOptions study;
+  CLI::App* stability = app.add_subcommand(
+      "stability", "measure which time steps are stable during a scene's insertion");
+  takes_scene(stability);
+  stability->add_option("--samples", study.samples, "moments of the insertion, evenly spaced")
+      ->capture_default_str();
+  stability->add_option("--output", study.output,
+                        "folder of the results (default: out/stability-<scene>)");
+  stability->add_flag("--force", study.force, "overwrite the results of an earlier study");
+  stability->add_flag("--quiet", study.quiet, "print errors only");
   CLI::App* schema =
       app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
   schema->add_flag("--markdown", markdown, "as a table for the README");
@@ -127,6 +139,7 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   if (*run) return run_verb(scene, options);
   if (*check) return check_verb(scene);
   if (*modes) return modes_verb(scene, n_modes);
+  if (*stability) return stability_verb(scene, study);
   return schema_verb(markdown);
 }
 

@@ -69,6 +69,11 @@ int modes_verb(const SceneArguments& arguments, int n) {
   return static_cast<int>(ExitCode::done);
 }
 
+int stability_verb(const SceneArguments& arguments, const StabilityOptions& options) {
+  stability(MPI_COMM_WORLD, load(arguments), options);
+  return static_cast<int>(ExitCode::done);
+}
+
 int schema_verb(bool markdown) {
   if (prints()) std::fputs((markdown ? schema_markdown() : schema_text()).c_str(), stdout);
   return static_cast<int>(ExitCode::done);

@@ -1,6 +1,7 @@
 #include "stylet/dynamics/modes.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/owned.hpp"
 #include "stylet/petsc/session.hpp"
@@ -17,6 +18,17 @@ namespace {
 
 using OwnedEps = Owned<EPS, EPSDestroy>;
 
+OwnedIs free_rows(const TissueOperator& tissue, std::span<const int> held_dofs) {
+  std::vector<PetscInt> free;
+  for (int dof = tissue.first_dof(); dof < tissue.end_dof(); ++dof) {
+    if (!std::ranges::binary_search(held_dofs, dof)) free.push_back(dof);
+  }
+  OwnedIs rows;
+  check(ISCreateGeneral(tissue.comm(), static_cast<PetscInt>(free.size()), free.data(),
+                        PETSC_COPY_VALUES, rows.put()));
+  return rows;
+}
+
 // The rows and columns of the free dofs.
 OwnedMat reduced(Mat matrix, IS free) {
   OwnedMat part;
@@ -29,13 +41,7 @@ OwnedMat reduced(Mat matrix, IS free) {
 std::vector<double> natural_frequencies(const TissueOperator& tissue,
                                         std::span<const int> held_dofs,
                                         int n) {
-  std::vector<PetscInt> free;
-  for (int dof = tissue.first_dof(); dof < tissue.end_dof(); ++dof) {
-    if (!std::ranges::binary_search(held_dofs, dof)) free.push_back(dof);
-  }
-  OwnedIs rows;
-  check(ISCreateGeneral(tissue.comm(), static_cast<PetscInt>(free.size()), free.data(),
-                        PETSC_COPY_VALUES, rows.put()));
+  const OwnedIs rows = free_rows(tissue, held_dofs);
   OwnedMat k = reduced(tissue.stiffness(), rows.get());
   OwnedMat m;
   if (tissue.mass() != nullptr) {
@@ -97,6 +103,59 @@ std::vector<double> natural_frequencies(const TissueOperator& tissue,
   std::ranges::sort(frequencies);
   frequencies.resize(static_cast<std::size_t>(n));
   return frequencies;
+}
+
+LargestFrequency largest_frequency(const TissueOperator& tissue, const ConstraintSet& constraints) {
+  std::vector<int> held;
+  for (const auto& dof : constraints.dofs) held.push_back(dof.dof);
+  std::ranges::sort(held);
+  const OwnedIs rows = free_rows(tissue, held);
+  const auto free_part = [&](Vec whole, Vec part) {
+    Vec view = nullptr;
+    check(VecGetSubVector(whole, rows.get(), &view));
+    check(VecCopy(view, part));
+    check(VecRestoreSubVector(whole, rows.get(), &view));
+  };
+  // A = M^-1/2 K M^-1/2 has the same eigenvalues and is symmetric: nothing to factor.
+  OwnedMat a = reduced(tissue.stiffness(), rows.get());
+  OwnedVec scale;
+  check(MatCreateVecs(a.get(), scale.put(), nullptr));
+  free_part(tissue.lumped_mass(), scale.get());
+  check(VecSqrtAbs(scale.get()));
+  check(VecReciprocal(scale.get()));
+  check(MatDiagonalScale(a.get(), scale.get(), scale.get()));
+  PetscReal row_sums = 0;
+  check(MatNorm(a.get(), NORM_INFINITY, &row_sums));
+
+  OwnedEps eps;
+  check(EPSCreate(tissue.comm(), eps.put()));
+  check(EPSSetOperators(eps.get(), a.get(), nullptr));
+  check(EPSSetProblemType(eps.get(), EPS_HEP));
+  check(EPSSetWhichEigenpairs(eps.get(), EPS_LARGEST_REAL));
+  constexpr double tolerance = 1e-8;
+  check(EPSSetTolerances(eps.get(), tolerance, PETSC_DEFAULT));
+  OwnedVec across;
+  if (constraints.mean) {
+    // w . u = 0 is orthogonality to M^-1/2 w in the scaled space, which SLEPc's deflation keeps.
+    OwnedVec weights = tissue.make_vector();
+    check(VecSet(weights.get(), 0));
+    for (const auto& [dof, weight] : constraints.mean->weights) {
+      set_owned(weights.get(), dof, weight);
+    }
+    check(VecDuplicate(scale.get(), across.put()));
+    free_part(weights.get(), across.get());
+    check(VecPointwiseMult(across.get(), across.get(), scale.get()));
+    Vec space[1] = {across.get()};
+    check(EPSSetDeflationSpace(eps.get(), 1, space));
+  }
+  check(EPSSetFromOptions(eps.get()));
+  check(EPSSolve(eps.get()));
+  PetscInt found = 0;
+  check(EPSGetConverged(eps.get(), &found));
+  if (found < 1) throw NumericalError("the largest frequency did not converge");
+  PetscScalar squared = 0;
+  check(EPSGetEigenvalue(eps.get(), 0, &squared, nullptr));
+  return {squared, row_sums};
 }
 
 }  // namespace stylet

@@ -19,9 +19,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 6> own_files = {"history.csv",    "snapshots.h5",
-                                                       "snapshots.xdmf", "snapshots_needle.xdmf",
-                                                       "summary.json",   "scene.yaml"};
+constexpr std::array<std::string_view, 9> own_files = {
+    "history.csv",  "snapshots.h5",          "snapshots.xdmf", "summary.json",
+    "scene.yaml",   "snapshots_needle.xdmf", "stability.csv",  "stability_implicit.csv",
+    "stability.png"};
 
 /// frame_0012.png and the overview, as jobs/frames.py names them.
 bool is_own_picture(std::string_view name) {

@@ -75,6 +75,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
   } else {
     integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
   }
+  base_ = conditions_.prescribed(0);
   for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) {
     *vec = tissue_->make_vector();
     check(VecSet(vec->get(), 0));
@@ -111,7 +112,6 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
 void Simulation::start() {
   started_ = true;
   update_load(0);
-  base_ = conditions_.prescribed(0);
   // Quasi-static loads grow from zero in the first step; dynamic ones act at once.
   if (scene_.time.method != TimeMethod::quasi_static) {
     if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
@@ -212,6 +212,10 @@ void Simulation::implant() {
   const auto& actions = needle_->parameters().motion;
   done_ = std::none_of(actions.begin() + static_cast<std::ptrdiff_t>(motion.index()), actions.end(),
                        [](const Action& a) { return a.kind == ActionKind::implant; });
+}
+
+ConstraintSet Simulation::constraints() const {
+  return constraints(needle_ && !needle_->released() ? &*needle_ : nullptr);
 }
 
 ConstraintSet Simulation::constraints(const Needle* active) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stylet/simulation/run.hpp"
+#include "stylet/study/stability.hpp"
 
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct SceneArguments {
 int run_verb(const SceneArguments& arguments, const RunOptions& options);
 int check_verb(const SceneArguments& arguments);
 int modes_verb(const SceneArguments& arguments, int n);
+int stability_verb(const SceneArguments& arguments, const StabilityOptions& options);
 int schema_verb(bool markdown);
 
 }  // namespace stylet

@@ -71,6 +71,8 @@ class Simulation {
   [[nodiscard]] State& state() { return state_; }
   /// The present needle, or none before the first, or in a scene without.
   [[nodiscard]] const Needle* needle() const { return needle_ ? &*needle_ : nullptr; }
+  /// What holds the tissue now, with the contacts of the end of the last step.
+  [[nodiscard]] ConstraintSet constraints() const;
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
   [[nodiscard]] const RunCounts& counts() const { return counts_; }
   [[nodiscard]] const Energies* energies() const {
