@@ -1,13 +1,16 @@
 #!/usr/bin/python3
 """Noise floor of the placement error: the reference scene in other numberings of its mesh.
 
-usage: round_off.py PROGRAM [RUNS] [KEY=VALUE ...]
+usage: round_off.py PROGRAM [RUNS] [--most MM] [KEY=VALUE ...]
 
 Nodes and elements of the mesh are shuffled, so that every sum is taken in another order and the
 factor is another one. The physics is the same: what differs is round-off, stopping tolerances and
-what the needle's decisions make of them. Prints E of each run, and the spread.
+what the needle's decisions make of them. Prints E of each run and the spread, and fails if that is
+more than --most.
 """
+import argparse
 import json
+import math
 import pathlib
 import random
 import subprocess
@@ -49,22 +52,28 @@ def placement_error(program, folder, settings):
 
 
 def main():
-    program = sys.argv[1]
-    n_runs = int(sys.argv[2]) if len(sys.argv) > 2 else 10
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("program")
+    parser.add_argument("runs", nargs="?", type=int, default=10)
+    parser.add_argument("settings", nargs="*", metavar="KEY=VALUE")
+    parser.add_argument("--most", type=float, default=math.inf, help="largest spread (mm)")
+    given = parser.parse_args()
     errors = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         subprocess.run(["gmsh", str(MESH), "-save", "-format", "msh22", "-v", "2", "-o",
                         str(folder / "mesh22.msh")], check=True)
         text = (folder / "mesh22.msh").read_text()
-        for seed in range(n_runs):
+        for seed in range(given.runs):
             mesh = folder / "mesh.msh"
             mesh.write_text(shuffled(text, seed) if seed else text)
-            errors.append(placement_error(program, folder,
-                                          [f"mesh.file={mesh}"] + sys.argv[3:]))
-            print(f"{1e3 * errors[-1]:.15f} mm", flush=True)
-    print(f"{n_runs} numberings: spread {1e3 * (max(errors) - min(errors)):.1e} mm")
-    return errors
+            errors.append(1e3 * placement_error(given.program, folder,
+                                                [f"mesh.file={mesh}"] + given.settings))
+            print(f"{errors[-1]:.15f} mm", flush=True)
+    spread = max(errors) - min(errors)
+    print(f"{given.runs} numberings: spread {spread:.1e} mm")
+    if spread > given.most:
+        sys.exit(f"more than {given.most:g} mm")
 
 
 if __name__ == "__main__":
