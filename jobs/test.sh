@@ -6,4 +6,4 @@ set -euo pipefail
 "$root/jobs/install.sh" --tests
 say "building into $root/build"
 build ON
-exec ctest --test-dir "$root/build" -j1 --output-on-failure --timeout 600
+exec ctest --test-dir "$root/build" -j2 --output-on-failure --timeout 600

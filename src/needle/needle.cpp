@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/sorted.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/needle/membrane.hpp"
 
 #include <algorithm>
@@ -12,8 +13,8 @@ namespace stylet {
 
 namespace {
 
-// A contact node may change its state this often in a step; then it stays as it is and is counted.
-constexpr int most_changes = 8;
+// Contacts change all at once until one of them has changed this often on the same mesh.
+constexpr int hasty_changes = 3;
 // Flips in a step that only make way for the tip.
 constexpr int most_passages = 20;
 // Of the advance of the needle in a step: what a consistent cut leaves open goes to the next step.
@@ -109,8 +110,9 @@ std::vector<double> Needle::tip_weights(const Mesh& mesh) const {
 std::vector<double> Needle::friction_lengths(const Mesh& mesh) const {
   const double path = track_.distances(mesh).front();
   auto lengths = track_.lengths(mesh, exposed_ + parameters_.cutting.tip_length, path);
-  if (tip_ != TipContact::open && lengths.size() > 1) {
-    // The tip node obeys the tip's law alone; the shaft that it stands for goes to its neighbour.
+  if (lengths.size() > 1) {
+    // The tip node obeys the tip's law alone; the shaft that it stands for goes to its neighbour, also
+    // where the tip is open: a force that came and went with the contact would let it cycle.
     lengths[lengths.size() - 2] += lengths.back();
     lengths.back() = 0;
   }
@@ -130,7 +132,7 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   remaining_ = keeps_cutting && track_.size() > 1 ? advanced_ : 0;
   guessing_ = remaining_ > 0;
   advanced_ = 0;
-  tip_changes_ = 0;
+  contact_changes_ = 0;
   for (auto& shaft : track_.nodes()) shaft.changes = 0;
   if (tip_ == TipContact::open) return;
   if (parameters_.cutting.law == CuttingLaw::lagged) remaining_ = pending_;
@@ -177,6 +179,7 @@ double Needle::cap() {
 
 NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
   NeedleEdits edits;
+  for (auto& shaft : track_.nodes()) shaft.changes = 0;
   const int tip = track_.tip();
   const auto stuck = [&](const std::string& why) {
     const auto p = mesh.point(tip);
@@ -308,36 +311,37 @@ bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
   return review_tip(mesh, trial, lambda);
 }
 
+// All contacts change at once where they must, which is fast and may cycle. Then one at a time, from
+// the skin, and with one limit of force for sticking and sliding: that problem has one solution (it
+// is Tresca's), and changing the first that must ends there (Murty 1974).
 bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
   const auto lengths = friction_lengths(mesh);
+  const bool careful = std::ranges::any_of(
+      track_.nodes(), [](const ShaftNode& n) { return n.changes >= hasty_changes; });
   bool accepted = true;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     auto& shaft = track_.nodes()[i];
     if (!shaft.attached || lengths[i] <= 0) continue;
     const auto& node = trial.at(shaft.node);
-    bool change = false;
+    const auto& friction = *parameters_.friction;
     if (shaft.contact == Contact::stick) {
       const double force = Axis::along(node.reaction);
-      const double limit = parameters_.friction->static_force * lengths[i];
-      change = std::abs(force) > limit * (1 + force_slack);
-      if (change && shaft.changes < most_changes) {
-        shaft.contact = Contact::slip;
-        shaft.slip_sign = force > 0 ? 1 : -1;
-      }
+      const bool has_slid = careful && shaft.changes > 0;
+      const double limit = (has_slid ? friction.kinetic_force : friction.static_force) * lengths[i];
+      if (std::abs(force) <= limit * (1 + force_slack)) continue;
+      shaft.contact = Contact::slip;
+      shaft.slip_sign = force > 0 ? 1 : -1;
     } else {
       // A sign that contradicts the new velocity turns into stick (model.md, section 6).
       const double relative = step_.speed() - Axis::along(node.v);
-      const double noise = 1e-9 * parameters_.friction->stick_speed;
-      change = shaft.slip_sign * relative < -noise;
-      if (change && shaft.changes < most_changes) shaft.contact = Contact::stick;
-    }
-    if (!change) continue;
-    if (shaft.changes < most_changes) {
-      accepted = false;
-    } else if (shaft.changes == most_changes) {
-      ++counts_.frozen_contacts;
+      const double noise = 1e-9 * friction.stick_speed;
+      if (shaft.slip_sign * relative >= -noise) continue;
+      shaft.contact = Contact::stick;
     }
     ++shaft.changes;
+    ++contact_changes_;
+    accepted = false;
+    if (careful) break;
   }
   return accepted;
 }
@@ -349,7 +353,6 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
       const double f = threshold(mesh);
       const double limit = membrane_edge_ ? tissue_.puncture_force : f;
       if (lambda < -force_slack * f) {
-        if (tip_frozen()) return true;
         tip_ = TipContact::open;
         return false;
       }
@@ -370,14 +373,14 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
         if (std::abs(g) <= tolerance) return true;
         return cut_further(g);
       }
-      if (g >= -tolerance || tip_frozen()) return true;
+      if (g >= -tolerance) return true;
       tip_ = TipContact::stick;
       return false;
     }
     case TipContact::open:
       break;
   }
-  if (gap(mesh, trial) <= tolerance || tip_frozen()) return true;
+  if (gap(mesh, trial) <= tolerance) return true;
   tip_ = TipContact::stick;
   exposed_ = 0;
   for (auto& shaft : track_.nodes()) {
@@ -386,14 +389,6 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
     shaft.contact = Contact::stick;
   }
   return false;
-}
-
-// Asks for one more change of the tip's contact; true where the bound is reached and the step stays
-// as it was solved.
-bool Needle::tip_frozen() {
-  if (++tip_changes_ <= most_changes) return false;
-  ++counts_.frozen_contacts;
-  return true;
 }
 
 // Secant on the advance: the gap falls by about as much as the tip advances, but by several times as
@@ -415,16 +410,17 @@ bool Needle::cut_further(double g) {
     constexpr double inner = 0.01;  // of the bracket: closer to its ends is no progress
     const double margin = inner * (high - low);
     if (!(to > low + margin && to < high - margin)) to = 0.5 * (low + high);
-    // The gap jumps inside the bracket (a contact changes there): nothing more to find.
-    constexpr double narrow = 1e-12;  // m
+    constexpr double narrow = 1e-14;  // m
     if (high - low < narrow) {
-      ++counts_.frozen_contacts;
-      return true;
+      throw NumericalError("the advance of needle '" + parameters_.name +
+                           "' has no solution: " + exact(b_) + " m leave a gap that jumps from " +
+                           exact(too_short_->gap) + " m to " + exact(too_far_->gap) +
+                           " m (allowed: " + exact(gap_tolerance) +
+                           " of the step); take another time.step or mesh");
     }
   }
   if (to <= 0) {
     // Less than nothing to cut: the tip sticks.
-    if (tip_frozen()) return true;
     remaining_ = -b_;
     tip_ = TipContact::stick;
     return false;
@@ -433,25 +429,44 @@ bool Needle::cut_further(double g) {
   return false;
 }
 
+void Needle::book_work(const NeedleView& start,
+                       const TrialView& trial,
+                       const std::vector<double>& along_forces,
+                       double end_weight,
+                       NeedleStepReport& report) {
+  for (std::size_t i = 0; i < along_forces.size(); ++i) {
+    auto& shaft = track_.nodes()[i];
+    const auto& node = trial.at(shaft.node);
+    const double across_force = shaft.attached ? Axis::across(node.reaction) : 0;
+    const auto mean = [&](double last, double now) {
+      return (1 - end_weight) * last + end_weight * now;
+    };
+    const double along = mean(shaft.along_force, along_forces[i]);
+    const double across = mean(shaft.across_force, across_force);
+    shaft.along_force = along_forces[i];
+    shaft.across_force = across_force;
+    // The needle guides a node that joins it on to its axis: work too.
+    const Vector2 moved = node.u - start.at(shaft.node).u;
+    const double hand = step_.to - step_.from;
+    report.work += along * hand + across * Axis::across(moved);
+    report.dissipated += along * (hand - Axis::along(moved));
+  }
+}
+
 NeedleStepReport Needle::commit(const Mesh& mesh,
                                 const NeedleView& start,
                                 const TrialView& trial,
-                                double lambda) {
+                                double lambda,
+                                double end_weight) {
   NeedleStepReport report;
   const double v = step_.speed();
-  const double h = step_.h;
   if (tip_ == TipContact::stick) report.forces.tip = lambda;
   if (tip_ == TipContact::cut) report.forces.tip = threshold(mesh);
   last_tip_force_ = report.forces.tip;
+  std::vector<double> along_forces(track_.size(), 0.0);
   if (tip_ != TipContact::open) {
-    // What the hand does at the tip and the tissue does not get.
-    const auto weights = tip_weights(mesh);
-    double moved = step_.to - step_.from;
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-      const int node = track_.nodes()[i].node;
-      moved -= weights[i] * Axis::along(trial.at(node).u - start.at(node).u);
-    }
-    report.cutting_work = report.forces.tip * moved;
+    along_forces = tip_weights(mesh);
+    for (double& force : along_forces) force *= report.forces.tip;
   }
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     const bool level = velocity_level_;
@@ -459,11 +474,11 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
     pending_ = std::max(0.0, gap(mesh, trial));
     velocity_level_ = level;
   }
+  report.contact_changes = contact_changes_;
   if (parameters_.friction) {
     const auto lengths = friction_lengths(mesh);
     for (std::size_t i = 0; i < lengths.size(); ++i) {
       auto& shaft = track_.nodes()[i];
-      report.contact_changes += shaft.changes;
       if (!shaft.attached || lengths[i] <= 0) continue;
       const auto& node = trial.at(shaft.node);
       const double relative = v - Axis::along(node.v);
@@ -472,15 +487,14 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
                                ? Axis::along(node.reaction)
                                : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
       report.forces.friction += force;
-      report.friction_work +=
-          force * (step_.to - step_.from - Axis::along(node.u - start.at(shaft.node).u));
+      along_forces[i] += force;
       ++(sticks ? report.n_stick : report.n_slip);
       if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
         shaft.contact = Contact::stick;
       }
     }
   }
-  report.needle_work = report.forces.total() * v * h;
+  book_work(start, trial, along_forces, end_weight, report);
 
   // A tip that let go leaves the nodes that it has passed (paper, sec. V.E), and takes them again on
   // its way back in.

@@ -183,6 +183,8 @@ class Rules {
     const TimeParameters& time = scene_.time;
     if (scene_.needles.empty()) {
       require(time.duration > 0, "time.duration", "> 0 s in a scene without needles");
+      require(time.step <= time.duration || time.method == TimeMethod::explicit_newmark,
+              "time.step", "at most time.duration, which is " + exact(time.duration) + " s");
     } else {
       require(time.duration == 0, "time.duration",
               "only in a scene without needles; the motion of a needle sets its own end");

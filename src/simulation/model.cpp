@@ -1,6 +1,7 @@
 #include "stylet/simulation/model.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/geometry/rotation.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/mesh/embedded_point.hpp"
@@ -155,6 +156,30 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
     check_name(scene, "needles", [&] {
       check_inserts(mesh, needle, find_entry(mesh, {needle.height}, needle.name));
     });
+  }
+}
+
+void check_step(const Scene& scene, const Mesh& mesh, double step) {
+  // The reference scene's placement error moves by 0.2 % from 450 steps of insertion to 5, by 2 %
+  // to 1.
+  constexpr int fewest = 4;
+  for (const auto& needle : scene.needles) {
+    const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
+    double tip = skin;
+    double inserting = 0;  // s
+    for (const auto& action : needle.motion) {
+      double end = action.kind == ActionKind::retract ? skin : tip;
+      if (action.depth) end = skin + *action.depth;
+      if (action.position) end = Axis::along_sign * *action.position;
+      if (action.kind == ActionKind::insert) inserting += std::abs(end - tip) / action.speed;
+      tip = end;
+    }
+    const double longest = inserting / fewest;
+    if (step <= longest * (1 + 1e-9)) continue;
+    throw InputError(scene.file + ": key 'time.step': steps of " + exact(step) +
+                     " s are too long for needle '" + needle.name + "', which is inserted in " +
+                     exact(inserting) + " s; allowed: at most a quarter of that, " +
+                     exact(longest) + " s");
   }
 }
 

@@ -36,7 +36,7 @@ std::vector<Column> columns(const Simulation& simulation) {
     columns.push_back({"worst_quality", ""});
   }
   for (const char* name : {"kinetic_energy", "strain_energy", "dissipated_energy",
-                           "external_energy", "balance_error"}) {
+                           "external_energy", "edit_energy", "balance_error"}) {
     columns.push_back({name, "J"});
   }
   columns.push_back({"solves", ""});
@@ -86,8 +86,8 @@ std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
     row.push_back(step.needle.n_slip);
     row.push_back(simulation.counts().worst_quality);
   }
-  const Energies& e = *simulation.energies();
-  row.insert(row.end(), {e.kinetic, e.strain, e.dissipated, e.external, e.balance_error(),
+  const Energies& e = simulation.energies();
+  row.insert(row.end(), {e.kinetic, e.strain, e.dissipated, e.external, e.edits, e.balance_error(),
                          static_cast<double>(step.passes), static_cast<double>(step.iterations)});
   const auto probes = simulation.world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
@@ -322,7 +322,6 @@ ordered_json summarise(MPI_Comm comm,
     summary["edge_flips"] = counts.edge_flips;
     summary["fallbacks"] = counts.needle.fallbacks;
     summary["punctures"] = counts.needle.punctures;
-    summary["frozen_contacts"] = counts.needle.frozen_contacts;
     summary["pattern_rebuilds"] = counts.pattern_rebuilds;
     summary["deformed_inversions"] = counts.deformed_inversions;
   }
@@ -343,13 +342,10 @@ ordered_json summarise(MPI_Comm comm,
     const Vector2 force = turn.to_scene(simulation.curve_reaction(i));
     summary["reactions"][scene.prescribed[i].curve] = {force.x, force.y};
   }
-  if (const Energies* e = simulation.energies(); e != nullptr) {
-    summary["energy"] = {{"kinetic", e->kinetic},
-                         {"strain", e->strain},
-                         {"dissipated", e->dissipated},
-                         {"external", e->external},
-                         {"balance_error", e->balance_error()}};
-  }
+  const Energies& e = simulation.energies();
+  summary["energy"] = {{"kinetic", e.kinetic},       {"strain", e.strain},
+                       {"dissipated", e.dissipated}, {"external", e.external},
+                       {"edits", e.edits},           {"balance_error", e.balance_error()}};
   summary["n_nodes"] = simulation.mesh().n_nodes();
   summary["n_triangles"] = simulation.mesh().n_cells();
   summary["n_ranks"] = size_of(comm);

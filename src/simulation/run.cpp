@@ -90,12 +90,6 @@ void print(const Scene& scene, const RunOutcome& outcome) {
           needle.name.c_str());
     }
   }
-  if (summary.contains("frozen_contacts") && summary["frozen_contacts"].get<int>() > 0) {
-    std::printf(
-        "note: %d contacts kept changing in a step and were left as they were; a smaller "
-        "time.step resolves them\n",
-        summary["frozen_contacts"].get<int>());
-  }
   if (summary.contains("deformed_inversions") && summary["deformed_inversions"].get<int>() > 0) {
     std::printf(
         "note: up to %d deformed elements at the tip were inverted (small-strain theory at "

@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/sorted.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/geometry/triangle.hpp"
@@ -67,8 +68,10 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
             check_against_mesh(scene_, numbered_.mesh);
             return scene_;
           }(),
-          numbered_.mesh) {
-  tissue_ = make_tissue(comm, scene_, numbered_);
+          numbered_.mesh),
+      tissue_(make_tissue(comm, scene_, numbered_)),
+      ledger_(*tissue_, mesh(), scene_.time, scene_.tissue.thickness),
+      track_energy_(track_energy) {
   if (scene_.time.method == TimeMethod::explicit_newmark) {
     integrator_ = std::make_unique<ExplicitNewmark>(*tissue_, mesh(), scene_.time);
     counts_.stable_step = integrator_->stable_step();
@@ -76,6 +79,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
   }
   base_ = conditions_.prescribed(0);
+  check_step(scene_, mesh(), std::min(scene_.time.step, integrator_->stable_step()));
   for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) {
     *vec = tissue_->make_vector();
     check(VecSet(vec->get(), 0));
@@ -104,9 +108,6 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
   std::iota(all.begin(), all.end(), 0);
   counts_.worst_quality = mesh().worst_quality(all);
   estimated_time_ = estimated_time(scene_, mesh());
-  if (track_energy) {
-    ledger_.emplace(*tissue_, state_, scene_.time.method != TimeMethod::quasi_static);
-  }
 }
 
 void Simulation::start() {
@@ -129,6 +130,14 @@ void Simulation::update_load(double t) {
 }
 
 StepRecord Simulation::step() {
+  try {
+    return step_unguarded();
+  } catch (const NumericalError& error) {
+    throw NumericalError("at t = " + exact(state_.t) + " s: " + error.what());
+  }
+}
+
+StepRecord Simulation::step_unguarded() {
   if (!started_) start();
   StepRecord record;
   act_without_time();
@@ -145,6 +154,7 @@ StepRecord Simulation::step() {
     if (motion().finished()) break;
   }
   act_without_time();
+  if (track_energy_ || done_) ledger_.weigh(*tissue_, state_);
   record.t = state_.t;
   if (record.sub_steps > 0) ++counts_.steps;
   counts_.sub_steps += record.sub_steps;
@@ -258,13 +268,13 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     const auto shaft = active->shaft_nodes();
     const TrialView view = trial_view(shaft, trial);
     if (active->review(mesh(), view, trial.lambda)) {
-      report = active->commit(mesh(), start_view(shaft), view, trial.lambda);
+      report = active->commit(mesh(), start_view(shaft), view, trial.lambda, ledger_.end_weight());
       break;
     }
     if (pass == most_passes) {
       throw NumericalError("the contact of needle '" + active->parameters().name +
-                           "' does not settle at t = " + std::to_string(t1) + " s after " +
-                           std::to_string(pass) + " solves; take a smaller time.step");
+                           "' does not settle after " + std::to_string(pass) +
+                           " solves; take a smaller time.step");
     }
   }
   accept(trial, step.h, report);
@@ -274,7 +284,6 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     counts_.needle.hand_overs += active->counts().hand_overs;
     counts_.needle.fallbacks += active->counts().fallbacks;
     counts_.needle.punctures += active->counts().punctures;
-    counts_.needle.frozen_contacts += active->counts().frozen_contacts;
   } else {
     motion().commit(step);
   }
@@ -301,35 +310,32 @@ bool Simulation::settled() const {
   return speed <= needle_->motion().action().speed_tolerance;
 }
 
-void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
-  double external = report.needle_work;
-  if (reaction_) {
-    check(VecCopy(trial.reaction, reaction_.get()));
-    if (ledger_) {
-      for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
-        for (std::size_t k = 0; k < 2; ++k) {
-          const Vec vectors[3] = {trial.reaction, trial.u, state_.u.get()};
-          const auto values = gather(vectors, conditions_.curve_dofs(i, k));
-          for (std::size_t n = 0; n < values[0].size(); ++n) {
-            external += values[0][n] * (values[1][n] - values[2][n]);
-          }
-        }
+// Work of the forces on prescribed curves in a step that is about to be accepted (J).
+double Simulation::prescribed_work(const Trial& trial) const {
+  double work = 0;
+  const double end = ledger_.end_weight();
+  for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Vec vectors[4] = {reaction_.get(), trial.reaction, state_.u.get(), trial.u};
+      const auto values = gather(vectors, conditions_.curve_dofs(i, k));
+      for (std::size_t n = 0; n < values[0].size(); ++n) {
+        work += ((1 - end) * values[0][n] + end * values[1][n]) * (values[3][n] - values[2][n]);
       }
     }
   }
-  PetscReal size = 0;
-  check(VecNorm(trial.u, NORM_INFINITY, &size));
-  if (!std::isfinite(size)) {
-    throw NumericalError(
-        "the displacement is no longer finite at t = " + std::to_string(state_.t + h) + " s");
-  }
+  return work;
+}
+
+void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
+  if (edited_) ledger_.edited(*tissue_, state_);
+  edited_ = false;
+  const double external = report.work + (reaction_ ? prescribed_work(trial) : 0);
+  ledger_.add(*tissue_, state_, trial, h, last_load_.get(), last_load_ ? load_.get() : nullptr,
+              external, report.dissipated);
+  if (reaction_) check(VecCopy(trial.reaction, reaction_.get()));
   integrator_->accept();
-  if (ledger_) {
-    const double dissipated = report.cutting_work + report.friction_work;
-    ledger_->add(*tissue_, state_, h, last_load_.get(), last_load_ ? load_.get() : nullptr,
-                 external, dissipated);
-  }
   if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
+  if (ledger_.due()) ledger_.weigh(*tissue_, state_);
 }
 
 bool Simulation::edit_for_needle() {
@@ -378,9 +384,10 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
   if (worst < quality_floor) {
     throw NumericalError("needle '" + needle_->parameters().name +
                          "' would leave an element of quality " + std::to_string(worst) +
-                         " (at least " + std::to_string(quality_floor) + " is needed) at t = " +
-                         std::to_string(state_.t) + " s; refine the mesh or move the needle");
+                         " (at least " + std::to_string(quality_floor) +
+                         " is needed); refine the mesh or move the needle");
   }
+  edited_ = true;
   if (tissue_->update(mesh, touched)) ++counts_.pattern_rebuilds;
   integrator_->touched(mesh, touched);
   relocate(mesh, touched, membrane_);

@@ -218,7 +218,7 @@ class Study {
       while (!insertion.done()) {
         insertion.step();
         ++balance.steps;
-        const Energies& energies = *insertion.simulation().energies();
+        const Energies& energies = insertion.simulation().energies();
         lowest = std::min(lowest, energies.balance_error());
         balance.external = energies.external;
         balance.balance_error = energies.balance_error() / energies.external;

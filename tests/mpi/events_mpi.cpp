@@ -61,7 +61,7 @@ Counts events_of(const std::string& text, const std::vector<std::string>& overri
 }
 
 void expect_no_extras(const Counts& n) {
-  for (const char* part : {"StyletEdit", "StyletGather", "StyletSnapshot", "StyletEnergy"}) {
+  for (const char* part : {"StyletEdit", "StyletGather", "StyletSnapshot"}) {
     EXPECT_EQ(n.at(part), 0) << part;
   }
   // The tissue is assembled once, where its pattern is made.
@@ -121,11 +121,16 @@ TEST(Events, DeclaredPartsShowUp) {
   for (const auto& name : names) EXPECT_GT(n.at(name), 0) << name;
 }
 
-TEST(Events, HistoryCountsEnergy) {
-  const auto n = events_of(plain, {"output.history=true"});
-  EXPECT_EQ(n.at("StyletEnergy"), 50);
-  EXPECT_EQ(n.at("StyletSnapshot"), 0);
-  EXPECT_EQ(n.at("StyletEdit"), 0);
+TEST(Events, EnergyIsWeighedOnceAStepAndRarelyIfExplicit) {
+  for (const std::string history : {"true", "false"}) {
+    const auto n = events_of(plain, {"output.history=" + history});
+    EXPECT_EQ(n.at("StyletEnergy"), 50);
+    EXPECT_EQ(n.at("StyletSnapshot"), 0);
+    EXPECT_EQ(n.at("StyletEdit"), 0);
+  }
+  // Below 1 ms, the step of the clock.
+  const auto n = events_of(plain, {"time.method=explicit", "time.duration=20 ms"});
+  EXPECT_LT(n.at("StyletEnergy"), 20);
 }
 
 }  // namespace

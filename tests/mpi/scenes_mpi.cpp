@@ -99,13 +99,12 @@ Result run(const NamedScene& named) {
               << ' ';
   }
   const auto& counts = simulation.counts();
-  decisions << "punctures " << counts.needle.punctures << " frozen "
-            << counts.needle.frozen_contacts;
+  decisions << "punctures " << counts.needle.punctures;
   result.decisions = decisions.str();
   for (const double error : simulation.placement_errors()) result.quantities.push_back(error);
   result.quantities.push_back(counts.peak_needle_force);
   result.quantities.push_back(counts.worst_quality);
-  result.quantities.push_back(simulation.energies()->external);
+  result.quantities.push_back(simulation.energies().external);
   return result;
 }
 

@@ -108,19 +108,25 @@ class Block {
   }
 
  private:
-  // A step through rigid tissue: the tip always cuts, the shaft stays stuck without force.
+  // A step through rigid tissue: the tip cuts until it is where the needle's is, the shaft stays
+  // stuck without force.
   void glide(double h) {
-    needle_.start_step(body_.mesh, needle_.motion().next(h));
+    const NeedleStep motion = needle_.motion().next(h);
+    needle_.start_step(body_.mesh, motion);
     const auto zero = [&] {
       const auto nodes = needle_.shaft_nodes();
       return TrialView(nodes, std::vector<NodeTrial>(nodes.size()));
     };
-    constexpr double more_than_it_takes = 1;  // N
+    const auto force = [&] {
+      constexpr double more_than_it_takes = 1;  // N
+      const bool ahead = Axis::along(body_.mesh.point(needle_.track().tip())) > motion.to;
+      return ahead ? 0 : more_than_it_takes;
+    };
     do {
       while (needle_.wants_edit())
         apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
-    } while (!needle_.review(body_.mesh, zero(), more_than_it_takes));
-    needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), zero(), more_than_it_takes);
+    } while (!needle_.review(body_.mesh, zero(), force()));
+    needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), zero(), force());
   }
 
   void apply(const NeedleEdits& edits) {

@@ -106,7 +106,7 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
   }
   const double slack = 1e-6;
   const bool bounded = parameters.cutting.law == CuttingLaw::consistent && !is_explicit;
-  if (bounded && simulation.counts().needle.frozen_contacts == 0) {
+  if (bounded) {
     if (step.needle.forces.tip > most_tip * (1 + slack)) {
       breach("tip force " + number(step.needle.forces.tip) + " N");
     }

@@ -54,6 +54,8 @@ Options read(int argc, char** argv) {
 struct Outcome {
   RunCounts counts;
   int n_triangles = 0;
+  double excess = 0;
+  double balance = 0;
   std::string text;
   std::string breach;
   enum class Kind { completed, refused, broken } kind = Kind::completed;
@@ -68,6 +70,9 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
       const StepRecord step = simulation.step();
       const auto breaches = watch.look(simulation, step);
       outcome.counts = simulation.counts();
+      outcome.excess = simulation.energy_excess();
+      outcome.balance =
+          simulation.energies().balance_error() / std::max(1e-300, simulation.energies().external);
       if (verbose && simulation.needle() != nullptr) {
         const auto& n = *simulation.needle();
         std::printf(
@@ -142,7 +147,7 @@ int run_all(const Options& options) {
   int unexpected = 0;
   std::printf(
       "no | mesh | triangles | height (mm) | motion | variant | hand-overs | flips | worst "
-      "quality | frozen | inverted deformed | wall (s) | outcome\n");
+      "quality | inverted deformed | wall (s) | outcome\n");
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& what = cases[i];
     if (options.number >= 0 && static_cast<int>(i) != options.number) continue;
@@ -158,11 +163,12 @@ int run_all(const Options& options) {
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const auto& counts = outcome.counts;
-    std::printf("%zu | %s | %d | %s | %s | %s | %d | %d | %.3f | %d | %d | %.1f | %s\n", i,
+    std::printf("%zu | %s | %d | %s | %s | %s | %d | %d | %.3f | %d | %.1f | %s\n", i,
                 what.name.c_str(), outcome.n_triangles, heights_of(what).c_str(),
                 name_of(what.motion), variant_of(what).c_str(), counts.needle.hand_overs,
-                counts.edge_flips, counts.worst_quality, counts.needle.frozen_contacts,
-                counts.deformed_inversions, wall, outcome.text.c_str());
+                counts.edge_flips, counts.worst_quality, counts.deformed_inversions, wall,
+                outcome.text.c_str());
+    std::printf("EX %zu %.3g %.3g\n", i, outcome.excess, outcome.balance);
     std::fflush(stdout);
     unexpected += outcome.kind == Outcome::Kind::refused && !what.may_be_refused ? 1 : 0;
     completed += outcome.kind == Outcome::Kind::completed ? 1 : 0;

@@ -16,8 +16,9 @@ class RegionMap {
   /// Keeps a copy of the mesh before the first edit.
   explicit RegionMap(const Mesh& initial) : initial_(initial) {}
 
-  /// (region, share) of the area of a cell of the edited mesh; shares sum to 1. Sampled at
-  /// 64 points of the cell, so a share is known to about 1/64.
+  /// (region, share) of the area of a cell of the edited mesh; shares sum to 1. Exact, and so
+  /// continuous in the places of the nodes: an element whose stiffness jumped as the tip moves on
+  /// would leave the cutting law without a solution.
   [[nodiscard]] std::vector<std::pair<int, double>> shares(const Mesh& mesh, int cell) const;
 
  private:

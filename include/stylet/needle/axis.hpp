@@ -18,6 +18,7 @@ struct Axis {
   [[nodiscard]] static Vector2 direction() { return {along_sign, 0}; }
   /// Component in the direction of advance.
   [[nodiscard]] static double along(Vector2 v) { return along_sign * v.x; }
+  [[nodiscard]] static double across(Vector2 v) { return v.y; }
   template <class Frame>
   [[nodiscard]] static double along(Point<Frame> p) {
     return along_sign * p.x;

@@ -38,9 +38,8 @@ struct NeedleForces {
 /// What an accepted step did.
 struct NeedleStepReport {
   NeedleForces forces;
-  double cutting_work = 0;   ///< J, dissipated at the tip
-  double friction_work = 0;  ///< J, dissipated along the shaft
-  double needle_work = 0;    ///< J, done by the hand
+  double work = 0;        ///< J, done by the hand
+  double dissipated = 0;  ///< J of it, by cutting and friction; the rest went into the tissue
   int n_stick = 0;
   int n_slip = 0;
   int contact_changes = 0;
@@ -50,7 +49,6 @@ struct NeedleCounts {
   int hand_overs = 0;
   int fallbacks = 0;  ///< advances along d because F was no help
   int punctures = 0;
-  int frozen_contacts = 0;  ///< nodes and tips that reached the bound of contact changes in a step
 };
 
 /// Properties that the needle meets in the tissue.
@@ -79,13 +77,15 @@ class Needle {
   /// Throws NumericalError if the tip cannot go on.
   NeedleEdits plan(const Mesh& mesh, const NeedleView& start);
   [[nodiscard]] ConstraintSet constraints(const Mesh& mesh) const;
-  /// True: the step is accepted.
+  /// True: the step is accepted. Throws NumericalError where the advance has no solution.
   bool review(const Mesh& mesh, const TrialView& trial, double lambda);
-  /// start: the shaft nodes after the last edits.
+  /// start: the shaft nodes after the last edits; end_weight: of the forces at the end of the step in
+  /// its work, those at its start have the rest.
   NeedleStepReport commit(const Mesh& mesh,
                           const NeedleView& start,
                           const TrialView& trial,
-                          double lambda);
+                          double lambda,
+                          double end_weight = 1);
 
   [[nodiscard]] const NeedleParameters& parameters() const { return parameters_; }
   [[nodiscard]] const Axis& axis() const { return axis_; }
@@ -112,7 +112,11 @@ class Needle {
   bool review_friction(const Mesh& mesh, const TrialView& trial);
   bool review_tip(const Mesh& mesh, const TrialView& trial, double lambda);
   bool cut_further(double gap);
-  bool tip_frozen();
+  void book_work(const NeedleView& start,
+                 const TrialView& trial,
+                 const std::vector<double>& along_forces,
+                 double end_weight,
+                 NeedleStepReport& report);
 
   NeedleParameters parameters_;
   NeedleTissue tissue_;
@@ -146,7 +150,7 @@ class Needle {
   std::set<int> punctured_;
   double pending_ = 0;         ///< advance left for the next step (lagged, m)
   double last_tip_force_ = 0;  ///< N
-  int tip_changes_ = 0;
+  int contact_changes_ = 0;    ///< of the shaft in this step
   NeedleCounts counts_;
 };
 

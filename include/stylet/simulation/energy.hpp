@@ -1,45 +1,80 @@
-// Where the energy of a run is.
+// Where the energy of a run is, and the end of a run that makes energy.
 #pragma once
 
-#include "stylet/dynamics/state.hpp"
-#include "stylet/fem/tissue_operator.hpp"
+#include "stylet/dynamics/parameters.hpp"
+#include "stylet/dynamics/time_integrator.hpp"
 
 namespace stylet {
 
-/// Sums since the start (J). balance_error = external - (kinetic + strain + dissipated): the
-/// numerical damping of the scheme, the interpolation of fields after edits, and mistakes.
+/// Sums since the start (J). balance_error = external + edits - (kinetic + strain + dissipated): the
+/// numerical damping of the scheme, and mistakes.
 struct Energies {
   double kinetic = 0;
   double strain = 0;
   double dissipated = 0;  ///< by damping, friction and cutting
   double external = 0;    ///< done by the needle's hand, loads and prescribed curves
-  [[nodiscard]] double balance_error() const { return external - (kinetic + strain + dissipated); }
+  double edits = 0;       ///< got where moved nodes took interpolated fields; not kept if explicit
+  [[nodiscard]] double balance_error() const {
+    return external + edits - (kinetic + strain + dissipated);
+  }
 };
 
+/// Of the tissue (J); work: a vector of dofs, overwritten. Collective.
+[[nodiscard]] double kinetic_energy(const TissueOperator& tissue, Vec v, Vec work);
+[[nodiscard]] double strain_energy(const TissueOperator& tissue, Vec u, Vec work);
+
+/// Work is summed in every step, by what is declared: nothing without damping and loads. Kinetic and
+/// strain energy cost a product with K and one with M: after every implicit step, again where it
+/// edited the mesh, and after every twentieth explicit one.
 class EnergyLedger {
  public:
-  /// Collective. inertia: false for quasi-static.
-  EnergyLedger(const TissueOperator& tissue, const State& state, bool inertia);
+  EnergyLedger(const TissueOperator& tissue,
+               const Mesh& mesh,
+               const TimeParameters& time,
+               double thickness);
 
-  /// Collective, after a step of length h. load0, load1: forces at its start and end (N); prescribed
-  /// work and dissipation by the needle (J) of this step.
+  /// Collective, between the last edit of a step and `add`.
+  void edited(const TissueOperator& tissue, const State& state);
+
+  /// Collective, before the trial is accepted. load0, load1: forces at its start and end (N), or
+  /// none; external and dissipated: work by needle and prescribed curves (J).
   void add(const TissueOperator& tissue,
-           const State& state,
+           const State& start,
+           const Trial& end,
            double h,
            Vec load0,
            Vec load1,
-           double external_work,
+           double external,
            double dissipated);
 
+  /// Weight of the forces at the end of a step, those at its start have the rest: what makes the
+  /// work exact in the scheme.
+  [[nodiscard]] double end_weight() const { return end_weight_; }
+  [[nodiscard]] bool due() const { return unchecked_ >= interval_; }
+
+  /// Collective, after a step. Throws NumericalError if there is more energy than work was done.
+  void weigh(const TissueOperator& tissue, const State& state);
+
+  /// For states that are changed from outside.
+  void stop_checks() { checks_ = false; }
+
   [[nodiscard]] const Energies& energies() const { return energies_; }
+  /// The most that the energy ever exceeded the work, as a share of the largest energy until then.
+  [[nodiscard]] double worst_excess() const { return worst_excess_; }
 
  private:
-  double damping_power(const TissueOperator& tissue, const State& state);
+  void measure(const TissueOperator& tissue, const State& state);
 
   bool inertia_;
+  double end_weight_;
+  double swing_;  ///< mechanical energy may exceed that of the exact solution by this factor
+  int interval_;
+  int unchecked_ = 0;
+  bool checks_ = true;
+  double largest_ = 0;  ///< energy so far, at least that of round-off (J)
+  double worst_excess_ = 0;
   Energies energies_;
-  double power_ = 0;
-  OwnedVec last_u_;
+  OwnedVec increment_;
   OwnedVec work_;
 };
 

@@ -35,6 +35,9 @@ struct NumberedMesh {
 /// that carry conditions.
 void check_against_mesh(const Scene& scene, Mesh& mesh);
 
+/// Throws InputError where steps of this length (s) are too long for the insertion of a needle.
+void check_step(const Scene& scene, const Mesh& mesh, double step);
+
 /// Collective. Nodes near a needle's axis get room for edge flips.
 [[nodiscard]] std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
                                                           const Scene& scene,

@@ -51,7 +51,8 @@ struct RunCounts {
 
 class Simulation {
  public:
-  /// Collective. Throws InputError where scene and mesh do not fit. track_energy: for the history.
+  /// Collective. Throws InputError where scene and mesh do not fit. track_energy: weighed after every
+  /// step, for the history.
   Simulation(MPI_Comm comm, Scene scene, bool track_energy);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -68,16 +69,21 @@ class Simulation {
   [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
   [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
   [[nodiscard]] const State& state() const { return state_; }
-  [[nodiscard]] State& state() { return state_; }
+  /// To disturb it: the energy is not checked from then on.
+  [[nodiscard]] State& state() {
+    ledger_.stop_checks();
+    return state_;
+  }
   /// The present needle, or none before the first, or in a scene without.
   [[nodiscard]] const Needle* needle() const { return needle_ ? &*needle_ : nullptr; }
   /// What holds the tissue now, with the contacts of the end of the last step.
   [[nodiscard]] ConstraintSet constraints() const;
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
   [[nodiscard]] const RunCounts& counts() const { return counts_; }
-  [[nodiscard]] const Energies* energies() const {
-    return ledger_ ? &ledger_->energies() : nullptr;
-  }
+  /// Up to date after every step if they are tracked, else as of the last check.
+  [[nodiscard]] const Energies& energies() const { return ledger_.energies(); }
+  /// The most that the energy ever exceeded the work done, as a share of the largest energy.
+  [[nodiscard]] double energy_excess() const { return ledger_.worst_excess(); }
   [[nodiscard]] const std::vector<EmbeddedPoint>& membrane() const { return membrane_; }
   [[nodiscard]] const std::vector<EmbeddedPoint>& probes() const { return probes_; }
   /// Collective. World positions of embedded points.
@@ -91,6 +97,7 @@ class Simulation {
   [[nodiscard]] std::vector<double> placement_errors() const;
 
  private:
+  StepRecord step_unguarded();
   void start();
   void act_without_time();
   void enter_next_needle();
@@ -103,20 +110,23 @@ class Simulation {
   [[nodiscard]] TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
   [[nodiscard]] ConstraintSet constraints(const Needle* active) const;
   void update_load(double t);
+  [[nodiscard]] double prescribed_work(const Trial& trial) const;
   void accept(const Trial& trial, double h, const NeedleStepReport& report);
   void count_deformed_inversions();
   [[nodiscard]] bool settled() const;
 
   Scene scene_;
   NumberedMesh numbered_;
-  std::unique_ptr<TissueOperator> tissue_;
   Conditions conditions_;
+  std::unique_ptr<TissueOperator> tissue_;
+  EnergyLedger ledger_;
+  bool track_energy_;
+  bool edited_ = false;  ///< since the last accepted step
   std::unique_ptr<TimeIntegrator> integrator_;
   State state_;
   OwnedVec load_;
   OwnedVec last_load_;
   std::vector<PrescribedDof> base_;
-  std::optional<EnergyLedger> ledger_;
   OwnedVec reaction_;  ///< of the last step, where curves are prescribed
   std::size_t n_entered_ = 0;
   std::optional<Needle> needle_;

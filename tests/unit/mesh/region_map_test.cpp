@@ -25,7 +25,6 @@ TEST(RegionMap, UneditedCellIsItsOwnRegion) {
   const RegionMap map(mesh);
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const auto shares = map.shares(mesh, c);
-    // 64 samples of weight 1/64: exact in binary.
     ASSERT_EQ(shares.size(), 1U) << c;
     EXPECT_EQ(shares[0], (std::pair{mesh.region(c), 1.0}));
   }
@@ -43,13 +42,31 @@ TEST(RegionMap, MovedNodeMixes) {
   mesh.move_node(1, {1.5, 0});
   // Cell 0 = (0, 0), (1.5, 0), (1, 1): right of x = 1 lies 0.25 of 0.75.
   const auto shares = map.shares(mesh, 0);
-  EXPECT_EQ(sum(shares), 1);
-  // Known to about a row of samples.
-  EXPECT_NEAR(share_of(shares, 1), 1.0 / 3, 0.05);
+  EXPECT_NEAR(sum(shares), 1, 1e-15);
+  EXPECT_NEAR(share_of(shares, 1), 1.0 / 3, 1e-15);
   EXPECT_EQ(share_of(map.shares(mesh, 2), 1), 1);  // still all right
   mesh.move_node(1, {0.5, 0});
   // Cell 2 = (0.5, 0), (2, 0), (2, 1): left of x = 1 lies a sixth of the base times a third.
-  EXPECT_NEAR(share_of(map.shares(mesh, 2), 0), 1.0 / 9, 0.05);
+  EXPECT_NEAR(share_of(map.shares(mesh, 2), 0), 1.0 / 9, 1e-15);
+}
+
+TEST(RegionMap, SharesAreContinuousInTheNodes) {
+  MeshData data;
+  data.coordinates = {0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1};
+  data.cells = {0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4};
+  data.cell_region = {0, 0, 1, 1};
+  data.region_names = {"left", "right"};
+  Mesh mesh(data);
+  const RegionMap map(mesh);
+  double last = 0;
+  constexpr int n = 1000;
+  for (int i = 1; i < n; ++i) {
+    mesh.move_node(1, {1 + 0.8 * i / n, 0});
+    const double share = share_of(map.shares(mesh, 0), 1);
+    EXPECT_GE(share, last);
+    EXPECT_LT(share - last, 1.0 / n);  // 1 - 1/x right of x = 1, so its slope is at most 1
+    last = share;
+  }
 }
 
 TEST(RegionMap, SharesOfTheWholeKeepTheArea) {
@@ -69,8 +86,7 @@ TEST(RegionMap, SharesOfTheWholeKeepTheArea) {
     ASSERT_GT(mesh.cell_measure(c), 0);
     after += share_of(map.shares(mesh, c), core) * mesh.cell_measure(c);
   }
-  // About 10 cut cells of 0.014 with an error of 1/64 each, of either sign.
-  EXPECT_NEAR(after, before, 2e-3);
+  EXPECT_NEAR(after, before, 1e-14);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include "stylet/needle/needle.hpp"
 
+#include "stylet/base/errors.hpp"
+
 #include "bench.hpp"
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -57,7 +60,6 @@ TEST(Needle, CutsAsFarAsItMoves) {
       EXPECT_NEAR(tip.y, 0.0317, 1e-15);
     }
     EXPECT_GT(bench.needle.counts().hand_overs, 8);
-    EXPECT_EQ(bench.needle.counts().frozen_contacts, 0);
   }
 }
 
@@ -141,26 +143,29 @@ TEST(Needle, StopsAtTheMembraneUntilItIsPunctured) {
   EXPECT_LT(bench.needle.tip_point(bench.mesh).x, 0.02);
 }
 
-TEST(Needle, FrozenTipKeepsTheContactThatWasSolved) {
-  // Tissue that answers every contact with a reason for the other one. The step is taken at the bound
-  // of changes, and what is reported must be what the last trial was solved with.
-  NeedleParameters parameters = needle_at(0.03, 0.03);
-  parameters.cutting.law = CuttingLaw::lagged;
-  Bench bench(Mesh(tissue(8, 6)), parameters);
+TEST(Needle, AdvanceWithoutASolutionIsAnError) {
+  // Tissue whose gap jumps from far too large to far too small where the tip has gone 0.3 mm.
+  Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.06));
+  while (bench.needle.counts().hand_overs < 2) bench.step(0.05, 2);
   Needle& needle = bench.needle;
   needle.start_step(bench.mesh, needle.motion().next(0.05));
-  const std::vector<int> nodes = needle.shaft_nodes();
-  NodeTrial too_far;
-  too_far.u = {-0.01, 0};  // 1 cm ahead of the needle
-  for (int solves = 0;; ++solves) {
-    ASSERT_LT(solves, 100);
-    const TipContact solved = needle.tip_contact();
-    const double lambda = solved == TipContact::stick ? above : 0;
-    const TrialView trial(nodes, {too_far});
-    if (!needle.review(bench.mesh, trial, lambda)) continue;
-    EXPECT_EQ(needle.tip_contact(), solved);
-    EXPECT_GT(needle.counts().frozen_contacts, 0);
-    break;
+  const double from = Axis::along(bench.mesh.point(needle.track().tip()));
+  const auto solve = [&] {
+    while (needle.wants_edit()) apply(bench.mesh, needle.plan(bench.mesh, still(bench.mesh)));
+    const double tip = Axis::along(bench.mesh.point(needle.track().tip()));
+    const double gap = tip < from + 3e-4 ? 1e-3 : -1e-3;
+    const double to = needle.motion().tip() + 1e-3;
+    const std::vector<int> nodes = needle.shaft_nodes();
+    std::vector<NodeTrial> trials(nodes.size());
+    for (auto& node : trials) node.u = {-(to - tip - gap), 0};
+    return needle.review(bench.mesh, TrialView(nodes, trials), above);
+  };
+  try {
+    for (int i = 0; i < 200; ++i) ASSERT_FALSE(solve());
+    FAIL();
+  } catch (const NumericalError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("the advance of needle 'needle' has no solution"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("gap that jumps from 0.001"));
   }
 }
 

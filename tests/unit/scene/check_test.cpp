@@ -31,6 +31,16 @@ TEST(Check, FrictionLimitsAndSpeedsAreOrdered) {
               HasSubstr("slip_speed': value '1 mm/s'; allowed: > stick_speed, which is 0.001 m/s"));
 }
 
+TEST(Check, StepIsNoLongerThanTheScene) {
+  const std::vector<std::string> dynamic = {"time.method=implicit", "time.duration=1 s",
+                                            "tissue.regions.tissue.density=1 kg/m^3"};
+  auto all = dynamic;
+  all.emplace_back("time.step=2 s");
+  EXPECT_THAT(
+      message_of(block_scene, all),
+      HasSubstr("key 'time.step': value '2 s'; allowed: at most time.duration, which is 1 s"));
+}
+
 TEST(Check, CuttingLawFitsTheMethod) {
   EXPECT_THAT(
       message_of(needle_scene, {"time.method=explicit", "needles.0.cutting.law=consistent"}),
