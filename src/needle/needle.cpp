@@ -15,6 +15,8 @@ namespace {
 
 // Contacts change all at once until one of them has changed this often on the same mesh.
 constexpr int hasty_changes = 3;
+// Then so often without getting fewer.
+constexpr int most_patience = 10;
 // Flips in a step that only make way for the tip.
 constexpr int most_passages = 20;
 // Of the advance of the needle in a step: what a consistent cut leaves open goes to the next step.
@@ -133,7 +135,8 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   guessing_ = remaining_ > 0;
   advanced_ = 0;
   contact_changes_ = 0;
-  for (auto& shaft : track_.nodes()) shaft.changes = 0;
+  same_side_ = 0;
+  forget_changes();
   if (tip_ == TipContact::open) return;
   if (parameters_.cutting.law == CuttingLaw::lagged) remaining_ = pending_;
   if (parameters_.cutting.law == CuttingLaw::increment && step.speed() > 0) {
@@ -149,6 +152,12 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   }
   pending_ = 0;
   if (membrane_edge_) remaining_ = 0;
+}
+
+void Needle::forget_changes() {
+  for (auto& shaft : track_.nodes()) shaft.changes = 0;
+  fewest_wrong_ = std::numeric_limits<std::size_t>::max();
+  patience_ = most_patience;
 }
 
 // The next plan looks for the way again, from where the tip then stands.
@@ -179,7 +188,7 @@ double Needle::cap() {
 
 NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
   NeedleEdits edits;
-  for (auto& shaft : track_.nodes()) shaft.changes = 0;
+  forget_changes();
   const int tip = track_.tip();
   const auto stuck = [&](const std::string& why) {
     const auto p = mesh.point(tip);
@@ -311,39 +320,54 @@ bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
   return review_tip(mesh, trial, lambda);
 }
 
-// All contacts change at once where they must, which is fast and may cycle. Then one at a time, from
-// the skin, and with one limit of force for sticking and sliding: that problem has one solution (it
-// is Tresca's), and changing the first that must ends there (Murty 1974).
+// All contacts change at once where they must, which is fast and may cycle. Where the mesh has not
+// changed for long, nodes that have slid have one limit of force for sticking and sliding: that is
+// Tresca's problem, which has one solution, and block pivoting finds it (Portugal, Judice and Vicente
+// 1994): all that must change as long as they get fewer, else the last one alone.
 bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
   const auto lengths = friction_lengths(mesh);
+  const auto& friction = *parameters_.friction;
   const bool careful = std::ranges::any_of(
       track_.nodes(), [](const ShaftNode& n) { return n.changes >= hasty_changes; });
-  bool accepted = true;
+  std::vector<std::size_t> wrong;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
-    auto& shaft = track_.nodes()[i];
+    const auto& shaft = track_.nodes()[i];
     if (!shaft.attached || lengths[i] <= 0) continue;
     const auto& node = trial.at(shaft.node);
-    const auto& friction = *parameters_.friction;
     if (shaft.contact == Contact::stick) {
-      const double force = Axis::along(node.reaction);
       const bool has_slid = careful && shaft.changes > 0;
       const double limit = (has_slid ? friction.kinetic_force : friction.static_force) * lengths[i];
-      if (std::abs(force) <= limit * (1 + force_slack)) continue;
-      shaft.contact = Contact::slip;
-      shaft.slip_sign = force > 0 ? 1 : -1;
+      if (std::abs(Axis::along(node.reaction)) > limit * (1 + force_slack)) wrong.push_back(i);
     } else {
       // A sign that contradicts the new velocity turns into stick (model.md, section 6).
       const double relative = step_.speed() - Axis::along(node.v);
       const double noise = 1e-9 * friction.stick_speed;
-      if (shaft.slip_sign * relative >= -noise) continue;
+      if (shaft.slip_sign * relative < -noise) wrong.push_back(i);
+    }
+  }
+  if (wrong.empty()) return true;
+  if (careful) {
+    if (wrong.size() < fewest_wrong_) {
+      fewest_wrong_ = wrong.size();
+      patience_ = most_patience;
+    } else if (patience_ > 0) {
+      --patience_;
+    } else {
+      wrong = {wrong.back()};
+    }
+  }
+  for (const std::size_t i : wrong) {
+    auto& shaft = track_.nodes()[i];
+    if (shaft.contact == Contact::stick) {
+      shaft.contact = Contact::slip;
+      shaft.slip_sign = Axis::along(trial.at(shaft.node).reaction) > 0 ? 1 : -1;
+    } else {
       shaft.contact = Contact::stick;
     }
     ++shaft.changes;
-    ++contact_changes_;
-    accepted = false;
-    if (careful) break;
   }
-  return accepted;
+  contact_changes_ += static_cast<int>(wrong.size());
+  return false;
 }
 
 bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda) {
@@ -396,6 +420,7 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
 // advance that was too short and the last that was too far; where it does not, their middle is taken.
 bool Needle::cut_further(double g) {
   double slope = -1;
+  const bool stands = last_gap_ && last_gap_->b == b_;
   if (last_gap_ && last_gap_->b != b_) {
     const double secant = (g - last_gap_->gap) / (b_ - last_gap_->b);
     constexpr double shallowest = -0.3;
@@ -404,6 +429,15 @@ bool Needle::cut_further(double g) {
   last_gap_ = {b_, g};
   (g > 0 ? too_short_ : too_far_) = last_gap_;
   double to = b_ - g / slope;
+  // A tip in tissue that is squeezed flat gains little by its advance: longer and longer ones, until
+  // one is too far or the next hand-over is reached.
+  same_side_ = g > 0 && !too_far_ ? same_side_ + 1 : 0;
+  constexpr int slow = 4;
+  constexpr int most_doublings = 20;
+  if (same_side_ > slow) {
+    to = b_ - g / slope * std::exp2(std::min(same_side_ - slow, most_doublings));
+    guessing_ = !stands;
+  }
   if (too_short_ && too_far_) {
     const double low = std::min(too_short_->b, too_far_->b);
     const double high = std::max(too_short_->b, too_far_->b);

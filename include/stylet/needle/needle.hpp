@@ -105,6 +105,7 @@ class Needle {
  private:
   [[nodiscard]] double threshold(const Mesh& mesh) const;
   void new_base();
+  void forget_changes();
   [[nodiscard]] double cap();
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
   [[nodiscard]] std::vector<double> tip_weights(const Mesh& mesh) const;
@@ -148,9 +149,12 @@ class Needle {
   std::optional<int> pending_membrane_edge_;
   std::optional<int> membrane_edge_;  ///< the tip stands at this edge, not yet punctured
   std::set<int> punctured_;
-  double pending_ = 0;         ///< advance left for the next step (lagged, m)
-  double last_tip_force_ = 0;  ///< N
-  int contact_changes_ = 0;    ///< of the shaft in this step
+  double pending_ = 0;            ///< advance left for the next step (lagged, m)
+  double last_tip_force_ = 0;     ///< N
+  int same_side_ = 0;             ///< advances in a row that were too short
+  std::size_t fewest_wrong_ = 0;  ///< contacts that had to change, on this mesh
+  int patience_ = 0;
+  int contact_changes_ = 0;  ///< of the shaft in this step
   NeedleCounts counts_;
 };
 
