@@ -25,6 +25,7 @@ Examples:
   stylet modes 6 input/prostate.yaml
   stylet stability input/prostate.yaml --set tissue.damping.stiffness_factor=null \
       --set tissue.damping.mass_factor="200 1/s"
+  mpirun -n 2 stylet sweep input/campaigns/figure09.yaml
   stylet schema
   stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg
 
@@ -116,6 +117,24 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
                         "folder of the results (default: out/stability-<scene>)");
   stability->add_flag("--force", study.force, "overwrite the results of an earlier study");
   stability->add_flag("--quiet", study.quiet, "print errors only");
+  StudyOptions many;
+  const auto runs_many = [&](CLI::App* verb, const std::string& folder) {
+    verb->add_option("--output", many.output, "folder of the results (default: " + folder + ")");
+    verb->add_flag("--resume", many.resume,
+                   "go on with a study that was stopped: run what is missing");
+    verb->add_flag("--force", many.force, "replace the results of an earlier study");
+    verb->add_option("--ranks-per-run", many.ranks_per_run,
+                     "ranks that share one run; the others take other runs")
+        ->capture_default_str();
+    verb->add_flag("!--no-picture", many.picture, "leave the picture and the report out");
+    verb->add_flag("--quiet", many.quiet, "print errors only");
+    verb->footer(examples);
+  };
+  CLI::App* sweep = app.add_subcommand("sweep", "run a campaign: a scene with some keys varied");
+  sweep->add_option("campaign", scene.file, "campaign file (YAML)")->required();
+  sweep->add_option("--set", scene.overrides, "key=value of the scene, for all runs")
+      ->allow_extra_args(false);
+  runs_many(sweep, "out/sweep-<campaign>");
   CLI::App* schema =
       app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
   schema->add_flag("--markdown", markdown, "as a table for the README");
@@ -139,6 +158,7 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   if (*run) return run_verb(scene, options);
   if (*check) return check_verb(scene);
   if (*modes) return modes_verb(scene, n_modes);
+  if (*sweep) return sweep_verb(scene, many);
   if (*stability) return stability_verb(scene, study);
   return schema_verb(markdown);
 }

@@ -74,6 +74,14 @@ int stability_verb(const SceneArguments& arguments, const StabilityOptions& opti
   return static_cast<int>(ExitCode::done);
 }
 
+int sweep_verb(const SceneArguments& arguments, const StudyOptions& options) {
+  const Campaign campaign = load_campaign(
+      arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file), arguments.overrides);
+  sweep(MPI_COMM_WORLD, campaign, options);
+  check_unused_options();
+  return static_cast<int>(ExitCode::done);
+}
+
 int schema_verb(bool markdown) {
   if (prints()) std::fputs((markdown ? schema_markdown() : schema_text()).c_str(), stdout);
   return static_cast<int>(ExitCode::done);

@@ -68,13 +68,9 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\n") - first + 1);
 }
 
-struct Leading {
-  double number;
-  std::string rest;
-};
+}  // namespace
 
-/// The number at the start of a text and what follows it; none if there is no finite number.
-std::optional<Leading> leading_number(const std::string& text) {
+std::optional<Quantity> split_quantity(const std::string& text) {
   const std::string body = trimmed(text);
   const char* first = body.data();
   const char* const last = first + body.size();
@@ -82,14 +78,12 @@ std::optional<Leading> leading_number(const std::string& text) {
   double number = 0;
   const auto [end, error] = std::from_chars(first, last, number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
-  return Leading{number, trimmed({end, last})};
+  return Quantity{number, trimmed({end, last})};
 }
 
-}  // namespace
-
 std::optional<double> plain_number(const std::string& text) {
-  const auto leading = leading_number(text);
-  if (!leading || !leading->rest.empty()) return std::nullopt;
+  const auto leading = split_quantity(text);
+  if (!leading || !leading->unit.empty()) return std::nullopt;
   return leading->number;
 }
 
@@ -97,11 +91,11 @@ double to_si(const std::string& text, const std::string& si_unit) {
   const auto refuse = [&text](const std::string& reason) {
     throw InputError("'" + text + "' " + reason);
   };
-  const auto leading = leading_number(text);
+  const auto leading = split_quantity(text);
   if (!leading) refuse("does not start with a finite number");
-  if (leading->rest.empty()) refuse("needs a unit, such as " + customary_unit(si_unit));
-  const Unit from = parse_unit(leading->rest);
-  if (!from) refuse("has the unknown unit '" + leading->rest + "'");
+  if (leading->unit.empty()) refuse("needs a unit, such as " + customary_unit(si_unit));
+  const Unit from = parse_unit(leading->unit);
+  if (!from) refuse("has the unknown unit '" + leading->unit + "'");
   const Unit to = parse_unit(si_unit);
   if (!to) throw Error(ExitCode::other, "'" + si_unit + "' is not a unit of udunits2");
   if (!same_dimension(from, to)) refuse("is not convertible to " + si_unit);

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <unistd.h>
 #include <vector>
@@ -19,16 +20,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 9> own_files = {
-    "history.csv",  "snapshots.h5",          "snapshots.xdmf", "summary.json",
-    "scene.yaml",   "snapshots_needle.xdmf", "stability.csv",  "stability_implicit.csv",
-    "stability.png"};
+constexpr std::array<std::string_view, 14> own_files = {"history.csv",    "snapshots.h5",
+                                                        "snapshots.xdmf", "summary.json",
+                                                        "scene.yaml",     "snapshots_needle.xdmf",
+                                                        "stability.csv",  "stability_implicit.csv",
+                                                        "stability.png",  "plan.json",
+                                                        "results.csv",    "statistics.json",
+                                                        "report.md",      "study.png"};
 
-/// frame_0012.png and the overview, as jobs/frames.py names them.
-bool is_own_picture(std::string_view name) {
-  if (name == "overview.png" || name == "overview.gif") return true;
-  constexpr std::string_view start = "frame_";
-  constexpr std::string_view end = ".png";
+bool is_numbered(std::string_view name, std::string_view start, std::string_view end) {
   if (!name.starts_with(start) || !name.ends_with(end)) return false;
   name.remove_prefix(start.size());
   name.remove_suffix(std::min(end.size(), name.size()));
@@ -36,9 +36,26 @@ bool is_own_picture(std::string_view name) {
          std::ranges::all_of(name, [](unsigned char c) { return std::isdigit(c); });
 }
 
+/// frame_0012.png and the overview, as jobs/frames.py names them.
+bool is_own_picture(std::string_view name) {
+  if (name == "overview.png" || name == "overview.gif") return true;
+  return is_numbered(name, "frame_", ".png");
+}
+
 void remove_file(const fs::path& path) {
   // A folder of one of our names is not ours.
   if (!fs::is_directory(fs::symlink_status(path))) fs::remove(path);
+}
+
+/// Files of a folder below that are ours, and the folder if nothing else is in it.
+void remove_from(const fs::path& folder, const std::function<bool(std::string_view)>& is_own) {
+  if (!fs::is_directory(fs::symlink_status(folder))) return;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (is_own(entry.path().filename().string())) found.push_back(entry.path());
+  }
+  for (const auto& path : found) remove_file(path);
+  if (fs::is_empty(folder)) fs::remove(folder);
 }
 
 void remove_own_files(const fs::path& folder) {
@@ -46,14 +63,9 @@ void remove_own_files(const fs::path& folder) {
     remove_file(folder / name);
     remove_file(folder / (std::string(name) + ".tmp"));
   }
-  const fs::path frames = folder / "frames";
-  if (!fs::is_directory(fs::symlink_status(frames))) return;
-  std::vector<fs::path> pictures;
-  for (const auto& entry : fs::directory_iterator(frames)) {
-    if (is_own_picture(entry.path().filename().string())) pictures.push_back(entry.path());
-  }
-  for (const auto& picture : pictures) remove_file(picture);
-  if (fs::is_empty(frames)) fs::remove(frames);
+  remove_from(folder / "frames", is_own_picture);
+  remove_from(folder / "scenes",
+              [](std::string_view name) { return is_numbered(name, "", ".yaml"); });
 }
 
 void prepare_here(const std::string& path, bool force) {

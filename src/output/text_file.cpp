@@ -15,9 +15,12 @@ void throw_io_error(const std::string& path, const std::string& what) {
   throw IoError(path + ": " + what + ": " + std::strerror(number));
 }
 
-TextFile::TextFile(std::string path)
+TextFile::TextFile(std::string path, Open how)
     : path_(std::move(path)),
-      descriptor_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+      descriptor_(
+          ::open(path_.c_str(),
+                 O_WRONLY | O_CREAT | O_CLOEXEC | (how == Open::append ? O_APPEND : O_TRUNC),
+                 0666)) {
   if (descriptor_ < 0) throw_io_error(path_, "cannot be created");
 }
 

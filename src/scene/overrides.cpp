@@ -108,6 +108,9 @@ void set(Node& node, const Key& key, Parts parts, const Override& given) {
   if (key.form == Key::Form::list) {
     return set(item(node, name, given), key.keys.front(), parts.subspan(1), given);
   }
+  if (key.form == Key::Form::value && node.kind == Node::Kind::list) {  // one number of a pair
+    return set(item(node, name, given), key, parts.subspan(1), given);
+  }
   const auto child = key.form == Key::Form::named ? key.keys.begin()
                                                   : std::ranges::find(key.keys, name, &Key::name);
   if (child == key.keys.end()) refuse_path(node, key, name, given);

@@ -30,15 +30,6 @@ std::string output_folder(const Scene& scene, const RunOptions& options) {
   return "out/" + std::filesystem::path(scene.file).stem().string();
 }
 
-// The resolved scene runs again from any folder.
-std::string resolved(Scene scene) {
-  if (auto* file = std::get_if<std::string>(&scene.mesh.source)) {
-    const auto folder = std::filesystem::absolute(scene.file).parent_path();
-    *file = (folder / *file).lexically_normal().string();
-  }
-  return to_yaml(scene);
-}
-
 std::string progress_text(const Simulation& simulation, const StepRecord& step) {
   char text[200];
   if (const Needle* needle = simulation.needle(); needle != nullptr) {
@@ -115,6 +106,14 @@ void print(const Scene& scene, const RunOutcome& outcome) {
 
 }  // namespace
 
+std::string resolved_text(Scene scene) {
+  if (auto* file = std::get_if<std::string>(&scene.mesh.source)) {
+    const auto folder = std::filesystem::absolute(scene.file).parent_path();
+    *file = (folder / *file).lexically_normal().string();
+  }
+  return to_yaml(scene);
+}
+
 RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   RunOutcome outcome;
   outcome.folder = output_folder(scene, options);
@@ -126,7 +125,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   };
   Simulation simulation(comm, scene, scene.output.history);
   prepare_folder(comm, outcome.folder, options.force);
-  write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved(scene));
+  write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved_text(scene));
   const std::string summary_path = outcome.folder + "/summary.json";
   book("set_up");
   Recorder recorder(comm, simulation, outcome.folder);

@@ -3,6 +3,7 @@
 
 #include "stylet/simulation/run.hpp"
 #include "stylet/study/stability.hpp"
+#include "stylet/study/sweep.hpp"
 
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ int run_verb(const SceneArguments& arguments, const RunOptions& options);
 int check_verb(const SceneArguments& arguments);
 int modes_verb(const SceneArguments& arguments, int n);
 int stability_verb(const SceneArguments& arguments, const StabilityOptions& options);
+/// scene.file is the campaign's.
+int sweep_verb(const SceneArguments& arguments, const StudyOptions& options);
 int schema_verb(bool markdown);
 
 }  // namespace stylet

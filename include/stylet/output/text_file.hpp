@@ -6,11 +6,12 @@
 
 namespace stylet {
 
-/// Created or emptied when opened. Every failure throws an IoError with path and reason.
+/// Created or emptied when opened, unless it is opened to append. Every failure throws an IoError with path and reason.
 /// Not collective: one rank owns it.
 class TextFile {
  public:
-  explicit TextFile(std::string path);
+  enum class Open { anew, append };
+  explicit TextFile(std::string path, Open how = Open::anew);
   TextFile(const TextFile&) = delete;
   TextFile& operator=(const TextFile&) = delete;
   ~TextFile();

@@ -22,6 +22,10 @@ struct RunOutcome {
   int failed_expectations = 0;
 };
 
+/// YAML of a scene with every default written out and its mesh by an absolute path: it runs again from
+/// any folder.
+[[nodiscard]] std::string resolved_text(Scene scene);
+
 /// Collective. Runs the scene, writes its files and prints the placement errors. After a numerical
 /// failure the files hold what there is, summary.json says why, and the error is thrown on.
 RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options);

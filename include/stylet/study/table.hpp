@@ -1,0 +1,53 @@
+// results.csv of a study: rows that survive a kill, read back to resume.
+#pragma once
+
+#include "stylet/output/text_file.hpp"
+
+#include <mpi.h>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+struct Table {
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+
+  /// Number of a column. Throws InputError if there is none of that name.
+  [[nodiscard]] std::size_t column(const std::string& name) const;
+};
+
+/// One line of CSV (RFC 4180); a field with commas, quotes or line ends is quoted.
+[[nodiscard]] std::string csv_line(std::span<const std::string> fields);
+
+/// A line that the writer did not finish, at the end, is left out. Throws InputError for rows that
+/// have not as many fields as the header.
+[[nodiscard]] Table read_csv(const std::string& path, const std::string& text);
+
+/// Appends rows; rank 0's file. A row is with the operating system when `append` returns.
+class ResultsFile {
+ public:
+  /// Collective. `kept`: rows of an earlier run that stay. The file is replaced as a whole, so that
+  /// a kill leaves either the old or the new one.
+  ResultsFile(MPI_Comm comm, std::string path, Table kept);
+
+  /// Not collective; on rank 0.
+  void append(const std::vector<std::vector<std::string>>& rows);
+  /// Rows so far, on rank 0.
+  [[nodiscard]] const Table& table() const { return table_; }
+  /// Collective. Sorts the rows by their first column and closes the file.
+  void finish();
+
+ private:
+  [[nodiscard]] std::string text() const;
+
+  MPI_Comm comm_;
+  std::string path_;
+  Table table_;
+  std::optional<TextFile> file_;
+};
+
+}  // namespace stylet

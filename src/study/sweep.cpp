@@ -1,0 +1,256 @@
+#include "stylet/study/sweep.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/base/units.hpp"
+#include "stylet/output/progress.hpp"
+#include "stylet/output/summary.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/scene/loader.hpp"
+#include "stylet/scene/overrides.hpp"
+#include "stylet/study/campaign_plan.hpp"
+#include "stylet/study/pool.hpp"
+#include "stylet/study/study_run.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+namespace stylet {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string titled(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " [" + unit + "]";
+}
+
+class Sweep {
+ public:
+  Sweep(MPI_Comm comm, const Campaign& campaign, const StudyOptions& options)
+      : comm_(comm), campaign_(campaign), options_(options) {
+    const auto folder = std::filesystem::path(campaign.file).parent_path();
+    scene_file_ = (folder / campaign.scene).lexically_normal().string();
+    scene_text_ = read_on_all(comm, scene_file_);
+    Node document = parse_yaml(scene_file_, scene_text_);
+    for (const auto& change : campaign.set) apply_override(document, scene_file_, change);
+    plan_ = plan_runs(campaign, document);
+    (void)scene_of(0);  // a wrong key strikes all runs
+  }
+
+  SweepOutcome run() {
+    const auto start = std::chrono::steady_clock::now();
+    SweepOutcome outcome;
+    outcome.folder = study_folder(options_, "sweep", campaign_.file);
+    Pool pool(comm_, options_.ranks_per_run);
+    ResultsFile results(
+        comm_, outcome.folder + "/results.csv",
+        whole_runs(open_study(comm_, outcome.folder, options_, plan_json(), columns())));
+    const auto missing = missing_runs(results.table());
+    outcome.runs = static_cast<int>(plan_.runs.size());
+    outcome.kept = outcome.runs - static_cast<int>(missing.size());
+    Progress progress(comm_, options_.quiet);
+    int done = 0;
+    int failed = 0;
+    const auto show = [&](double own) {
+      if (!progress.due()) return;
+      progress.update((done + own) / static_cast<double>(missing.size()),
+                      std::to_string(done + outcome.kept) + " of " + std::to_string(outcome.runs) +
+                          " runs" + (failed > 0 ? ", " + std::to_string(failed) + " failed" : ""));
+    };
+    pool.run(
+        missing,
+        [&](int task, MPI_Comm group, const Poll& poll) {
+          return measure(task, group, outcome.folder, poll).dump();
+        },
+        [&](int task, const std::string& text) {
+          const Json result = Json::parse(text);
+          results.append(rows_of(task, result));
+          ++done;
+          if (!result["error"].get<std::string>().empty()) ++failed;
+          show(0);
+        },
+        show);
+    results.finish();
+    const auto status = results.table().column("status");
+    const auto& rows = results.table().rows;
+    int n_failed = static_cast<int>(
+        std::ranges::count_if(rows, [&](const auto& row) { return row[status] == "failed"; }));
+    const bool none_left = n_failed == static_cast<int>(rows.size());
+    int shared[2] = {n_failed, none_left ? 1 : 0};
+    MPI_Bcast(shared, 2, MPI_INT, 0, comm_);
+    outcome.failed = shared[0];
+    outcome.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (rank_of(comm_) == 0 && !options_.quiet) print(outcome, pool.n_groups());
+    if (shared[1] == 1) {
+      throw NumericalError("all runs of the campaign failed; " + outcome.folder +
+                           "/results.csv has the reasons");
+    }
+    return outcome;
+  }
+
+ private:
+  [[nodiscard]] Scene scene_of(int task) const {
+    std::vector<std::string> changes = campaign_.set;
+    const auto& own = plan_.runs[static_cast<std::size_t>(task)].overrides;
+    changes.insert(changes.end(), own.begin(), own.end());
+    return load_scene(scene_file_, scene_text_, changes);
+  }
+
+  static std::string id_of(int task) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%05d", task);
+    return text;
+  }
+
+  [[nodiscard]] std::vector<std::string> columns() const {
+    std::vector<std::string> names{"run", "point", "status"};
+    for (std::size_t i = 0; i < campaign_.vary.size(); ++i) {
+      names.push_back(titled(campaign_.vary[i].name, plan_.units[i]));
+    }
+    for (const Window& window : campaign_.average) {
+      names.push_back(titled(window.name, split_quantity(window.width)->unit));
+    }
+    names.insert(names.end(), campaign_.outputs.begin(), campaign_.outputs.end());
+    names.emplace_back("error");
+    names.emplace_back("wall_time [s]");
+    return names;
+  }
+
+  /// Says everything that the results depend on, and what the report needs.
+  [[nodiscard]] Json plan_json() const {
+    Json plan{{"title", campaign_.title},     {"design", name_of(campaign_.design)},
+              {"samples", campaign_.samples}, {"seed", campaign_.seed},
+              {"outputs", campaign_.outputs}, {"runs", plan_.runs.size()},
+              {"shifts", plan_.shifts.size()}};
+    for (std::size_t i = 0; i < campaign_.vary.size(); ++i) {
+      const Variable& v = campaign_.vary[i];
+      plan["variables"].push_back({{"name", v.name},
+                                   {"column", titled(v.name, plan_.units[i])},
+                                   {"from", v.from},
+                                   {"to", v.to},
+                                   {"scale", v.scale == Scale::linear ? "linear" : "log"}});
+    }
+    for (const auto& point : plan_.points) plan["points"].push_back(point.values);
+    for (const auto& run : plan_.runs) plan["changes"].push_back(run.overrides);
+    plan["set"] = campaign_.set;
+    plan["scene"] = scene_text_;
+    return plan;
+  }
+
+  /// Without runs of which a kill left some rows only.
+  [[nodiscard]] Table whole_runs(Table table) const {
+    std::erase_if(table.rows, [&, all = table.rows](const auto& row) {
+      const auto present =
+          std::ranges::count(all, row.front(), [](const auto& r) { return r.front(); });
+      const auto task = plain_number(row.front());
+      if (!task || *task < 0 || *task >= static_cast<double>(plan_.runs.size())) return true;
+      return static_cast<std::size_t>(present) !=
+             plan_.runs[static_cast<std::size_t>(*task)].points.size();
+    });
+    return table;
+  }
+
+  [[nodiscard]] std::vector<int> missing_runs(const Table& table) const {
+    std::vector<int> missing;
+    for (int task = 0; task < static_cast<int>(plan_.runs.size()); ++task) {
+      const auto id = id_of(task);
+      const auto is_own = [&](const auto& row) { return row.front() == id; };
+      if (std::ranges::none_of(table.rows, is_own)) missing.push_back(task);
+    }
+    return missing;
+  }
+
+  [[nodiscard]] Json measure(int task,
+                             MPI_Comm group,
+                             const std::string& folder,
+                             const Poll& poll) const {
+    const PlannedRun& planned = plan_.runs[static_cast<std::size_t>(task)];
+    StudyRun run;
+    try {
+      const Scene scene = scene_of(task);
+      keep_scene(group, folder, id_of(task), scene);
+      run = run_in_study(group, scene, poll);
+    } catch (const InputError& error) {
+      run.error = one_line(error.what());
+    }
+    Json values = Json::array();
+    for (const auto& outputs : planned.outputs) {
+      Json of_point = Json::array();
+      for (const auto& path : outputs) {
+        const auto value = find_number(run.summary, path);
+        of_point.push_back(value ? Json(*value) : Json());
+        if (!value && run.error.empty()) run.error = "summary.json has no number '" + path + "'";
+      }
+      values.push_back(of_point);
+    }
+    return {{"error", run.error}, {"seconds", run.seconds}, {"values", values}};
+  }
+
+  [[nodiscard]] std::vector<std::vector<std::string>> rows_of(int task, const Json& result) const {
+    const PlannedRun& planned = plan_.runs[static_cast<std::size_t>(task)];
+    const auto error = result["error"].get<std::string>();
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t i = 0; i < planned.points.size(); ++i) {
+      std::vector<std::string> row{id_of(task), std::to_string(planned.points[i]),
+                                   error.empty() ? "done" : "failed"};
+      const auto& values = plan_.points[planned.points[i]].values;
+      for (std::size_t v = 0; v < values.size(); ++v) {
+        row.push_back(number_of(values[v], plan_.units[v]));
+      }
+      for (std::size_t w = 0; w < campaign_.average.size(); ++w) {
+        row.push_back(exact(split_quantity(plan_.shifts[planned.shift][w])->number));
+      }
+      for (const Json& value : result["values"][i]) {
+        row.push_back(value.is_number() && error.empty() ? exact(value.get<double>()) : "");
+      }
+      row.push_back(error);
+      char seconds[32];
+      std::snprintf(seconds, sizeof seconds, "%.3f",
+                    result["seconds"].get<double>() / static_cast<double>(planned.points.size()));
+      row.emplace_back(seconds);
+      rows.push_back(std::move(row));
+    }
+    return rows;
+  }
+
+  /// In the unit of the column; a text that is no number stays.
+  static std::string number_of(const std::string& text, const std::string& unit) {
+    const auto quantity = split_quantity(text);
+    if (!quantity) return text;
+    return exact(quantity->unit == unit ? quantity->number : to_si(text, unit));
+  }
+
+  void print(const SweepOutcome& outcome, int n_groups) const {
+    std::printf(
+        "%d runs%s in %.1f s, %d at a time\n", outcome.runs,
+        outcome.kept > 0 ? (", " + std::to_string(outcome.kept) + " of them kept,").c_str() : "",
+        outcome.seconds, n_groups);
+    if (outcome.failed > 0) {
+      std::printf("%d rows have no result; column 'error' of results.csv has the reasons\n",
+                  outcome.failed);
+    }
+    std::printf("files in %s: results.csv, plan.json, scenes\n", outcome.folder.c_str());
+  }
+
+  MPI_Comm comm_;
+  const Campaign& campaign_;
+  const StudyOptions& options_;
+  std::string scene_file_;
+  std::string scene_text_;
+  CampaignPlan plan_;
+};
+
+}  // namespace
+
+SweepOutcome sweep(MPI_Comm comm, const Campaign& campaign, const StudyOptions& options) {
+  SweepOutcome outcome = Sweep(comm, campaign, options).run();
+  if (options.picture) draw(comm, "sweep.py", outcome.folder, options.quiet);
+  return outcome;
+}
+
+}  // namespace stylet

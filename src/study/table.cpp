@@ -1,0 +1,110 @@
+#include "stylet/study/table.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/output/folder.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <algorithm>
+
+namespace stylet {
+
+namespace {
+
+/// The fields of one line starting at `at`, which moves behind it; none if the line has no end.
+std::optional<std::vector<std::string>> next_line(const std::string& text, std::size_t& at) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = at; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c != '"') {
+        fields.back() += c;
+      } else if (i + 1 < text.size() && text[i + 1] == '"') {
+        fields.back() += '"';
+        ++i;
+      } else {
+        quoted = false;
+      }
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == ',') {
+      fields.emplace_back();
+    } else if (c == '\n') {
+      at = i + 1;
+      return fields;
+    } else {
+      fields.back() += c;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::size_t Table::column(const std::string& name) const {
+  const auto found = std::ranges::find(columns, name);
+  if (found == columns.end()) throw InputError("the table has no column '" + name + "'");
+  return static_cast<std::size_t>(found - columns.begin());
+}
+
+std::string csv_line(std::span<const std::string> fields) {
+  std::string line;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (i > 0) line += ',';
+    if (fields[i].find_first_of(",\"\n") == std::string::npos) {
+      line += fields[i];
+      continue;
+    }
+    line += '"';
+    for (const char c : fields[i]) line.append(c == '"' ? 2 : 1, c);
+    line += '"';
+  }
+  return line + '\n';
+}
+
+Table read_csv(const std::string& path, const std::string& text) {
+  Table table;
+  std::size_t at = 0;
+  while (auto fields = next_line(text, at)) {
+    if (table.columns.empty()) {
+      table.columns = std::move(*fields);
+    } else if (fields->size() == table.columns.size()) {
+      table.rows.push_back(std::move(*fields));
+    } else {
+      throw InputError(path + ": row " + std::to_string(table.rows.size() + 2) + " has " +
+                       std::to_string(fields->size()) + " fields; allowed: " +
+                       std::to_string(table.columns.size()) + ", as in the header");
+    }
+  }
+  return table;
+}
+
+ResultsFile::ResultsFile(MPI_Comm comm, std::string path, Table kept)
+    : comm_(comm), path_(std::move(path)), table_(std::move(kept)) {
+  write_text_atomically(comm_, path_, text());
+  agree_after(comm_, [&] {
+    if (rank_of(comm_) == 0) file_.emplace(path_, TextFile::Open::append);
+  });
+}
+
+void ResultsFile::append(const std::vector<std::vector<std::string>>& rows) {
+  std::string lines;  // one write, so that a kill cannot part the rows of one run
+  for (const auto& row : rows) lines += csv_line(row);
+  file_->write(lines);
+  table_.rows.insert(table_.rows.end(), rows.begin(), rows.end());
+}
+
+void ResultsFile::finish() {
+  std::ranges::stable_sort(table_.rows, {}, [](const auto& row) { return row.front(); });
+  if (file_) file_->close();
+  write_text_atomically(comm_, path_, text());
+}
+
+std::string ResultsFile::text() const {
+  std::string lines = csv_line(table_.columns);
+  for (const auto& row : table_.rows) lines += csv_line(row);
+  return lines;
+}
+
+}  // namespace stylet
