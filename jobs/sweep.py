@@ -4,57 +4,28 @@
 import argparse
 import csv
 import json
-import sys
 from pathlib import Path
 
-try:
-    import matplotlib
-
-    matplotlib.use("Agg")  # no display needed
-    import matplotlib.pyplot as plt
-    import numpy as np
-except ImportError as error:
-    sys.exit(f"sweep.py needs python3-numpy and python3-matplotlib: {error}")
+from study_picture import COLOURS, DARK, BadInput, Quantity, np, plt, read_json, run, style
 
 EXAMPLES = """examples:
   mpirun -n 2 build/stylet sweep input/campaigns/figure09.yaml
   jobs/sweep.py out/sweep-figure09
 """
-DARK = "#1d2730"
-COLOURS = ("#2a6f97", "#ff5a36", "#6a994e", "#7b4f9d", "#c28f00", "#3d3d3d")
 CONFIDENCE = 0.95
-SHOWN_IN = {"placement_error": (1e3, "mm"), "peak_needle_force": (1, "N"),
-            "tip_displacement": (1e3, "mm")}
-
-
-class BadInput(Exception):
-    """Something the user can put right; ends the program with exit code 2."""
-
-
-class Output:
-    """One tabulated quantity in the unit in which it is shown."""
-
-    def __init__(self, path):
-        self.path = path
-        last = path.split(".")[-1]
-        self.factor, self.unit = SHOWN_IN.get(last, (1, ""))
-        self.label = last.replace("_", " ") + (f" ({self.unit})" if self.unit else "")
 
 
 class Campaign:
     """Rows of results.csv, averaged over the shifts of each point."""
 
     def __init__(self, folder):
+        self.plan = read_json(folder / "plan.json", "stylet sweep")
         try:
-            self.plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))
             with open(folder / "results.csv", newline="", encoding="utf-8") as file:
                 self.rows = list(csv.DictReader(file))
-        except FileNotFoundError as error:
-            raise BadInput(f"{error.filename} is missing; is this the output folder of stylet "
-                           "sweep?") from None
-        except (OSError, ValueError) as error:
-            raise BadInput(f"{folder}: cannot be read: {error}") from None
-        self.outputs = [Output(path) for path in self.plan["outputs"]]
+        except OSError as error:
+            raise BadInput(f"{folder}/results.csv: cannot be read: {error}") from None
+        self.outputs = [Quantity(path) for path in self.plan["outputs"]]
         self.variables = self.plan["variables"]
         n_points = len(self.plan["points"])
         samples = [[[] for _ in self.outputs] for _ in range(n_points)]
@@ -86,12 +57,6 @@ class Campaign:
 
     def words(self, index):
         return [v[index] if v else "" for v in self.values]
-
-
-def style(axes):
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
 
 
 def curve(axes, campaign, points, variable, k, colour, label=None):
@@ -356,8 +321,4 @@ def main():
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except BadInput as error:
-        print(f"sweep.py: {error}", file=sys.stderr)
-        sys.exit(2)
+    run(main)

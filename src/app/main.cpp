@@ -25,6 +25,8 @@ Examples:
   stylet modes 6 input/prostate.yaml
   stylet stability input/prostate.yaml --set tissue.damping.stiffness_factor=null \
       --set tissue.damping.mass_factor="200 1/s"
+  mpirun -n 2 stylet converge input/prostate.yaml --store
+  stylet run input/prostate.yaml --accuracy "0.2 mm"
   mpirun -n 2 stylet sweep input/campaigns/figure09.yaml
   stylet schema
   stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg
@@ -100,6 +102,11 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   CLI::App* run = app.add_subcommand("run", "simulate a scene");
   takes_scene(run);
   run->add_option("--output", options.output, "folder of the results (default: out/<scene>)");
+  std::string accuracy;
+  run->add_option(
+      "--accuracy", accuracy,
+      "wanted for the placement error, such as '0.2 mm': takes the cheapest mesh and step "
+      "that the stored convergence study says reach it");
   run->add_flag("--force", options.force, "overwrite the results of an earlier run");
   run->add_flag("--quiet", options.quiet, "print errors only");
   CLI::App* check = app.add_subcommand("check", "validate a scene and its mesh, run nothing");
@@ -130,6 +137,18 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
     verb->add_flag("--quiet", many.quiet, "print errors only");
     verb->footer(examples);
   };
+  ConvergeOptions levels;
+  CLI::App* converge = app.add_subcommand(
+      "converge", "refine mesh and time step: orders, limits and uncertainty of a scene's numbers");
+  takes_scene(converge);
+  runs_many(converge, "out/converge-<scene>");
+  converge->add_option("--mesh-levels", levels.mesh_levels, "the scene's mesh and finer ones")
+      ->capture_default_str();
+  converge->add_option("--step-levels", levels.step_levels, "the scene's time step and halved ones")
+      ->capture_default_str();
+  converge->add_flag(
+      "--store", levels.store,
+      "keep the result as <scene>.accuracy.json, for the uncertainties that run prints");
   CLI::App* sweep = app.add_subcommand("sweep", "run a campaign: a scene with some keys varied");
   sweep->add_option("campaign", scene.file, "campaign file (YAML)")->required();
   sweep->add_option("--set", scene.overrides, "key=value of the scene, for all runs")
@@ -155,9 +174,13 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   } catch (const CLI::ParseError& error) {
     throw InputError(std::string(error.what()) + "; see stylet --help");
   }
-  if (*run) return run_verb(scene, options);
+  if (*run) return run_verb(scene, options, accuracy);
   if (*check) return check_verb(scene);
   if (*modes) return modes_verb(scene, n_modes);
+  if (*converge) {
+    levels.study = many;
+    return converge_verb(scene, levels);
+  }
   if (*sweep) return sweep_verb(scene, many);
   if (*stability) return stability_verb(scene, study);
   return schema_verb(markdown);

@@ -1,6 +1,8 @@
 #include "stylet/app/verbs.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/base/units.hpp"
 #include "stylet/dynamics/modes.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
@@ -9,7 +11,9 @@
 #include "stylet/simulation/simulation.hpp"
 
 #include <cstdio>
+#include <filesystem>
 #include <numbers>
+#include <optional>
 
 namespace stylet {
 
@@ -24,10 +28,38 @@ Scene load(const SceneArguments& arguments) {
                     arguments.overrides);
 }
 
+/// Of the study beside the scene, if there is one and it is of this scene.
+std::optional<Accuracy> stored_accuracy(const Scene& scene) {
+  const std::string path = accuracy_path(scene.file);
+  int there = 0;
+  if (prints()) there = std::filesystem::exists(path) ? 1 : 0;
+  MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  if (there == 0) return std::nullopt;
+  Accuracy accuracy(path, read_on_all(MPI_COMM_WORLD, path));
+  return accuracy.is_of(scene) ? std::optional(std::move(accuracy)) : std::nullopt;
+}
+
 }  // namespace
 
-int run_verb(const SceneArguments& arguments, const RunOptions& options) {
-  const RunOutcome outcome = run(MPI_COMM_WORLD, load(arguments), options);
+int run_verb(SceneArguments arguments, RunOptions options, const std::string& accuracy) {
+  Scene scene = load(arguments);
+  options.accuracy = stored_accuracy(scene);
+  if (!accuracy.empty()) {
+    if (!options.accuracy) {
+      throw InputError("--accuracy " + accuracy +
+                       ": there is no convergence study of this scene (" +
+                       accuracy_path(scene.file) + "); stylet converge --store makes one");
+    }
+    const StudiedLevel level = options.accuracy->cheapest(to_si(accuracy, "m"));
+    arguments.overrides.push_back("mesh.refine=" + std::to_string(level.refine));
+    arguments.overrides.push_back("time.step=" + exact(level.step) + " s");
+    scene = load(arguments);
+    if (prints() && !options.quiet) {
+      std::printf("for %s: mesh.refine %d, time.step %g ms (%.3g s in the study)\n",
+                  accuracy.c_str(), level.refine, 1e3 * level.step, level.seconds);
+    }
+  }
+  const RunOutcome outcome = run(MPI_COMM_WORLD, scene, options);
   if (outcome.failed_expectations == 0) return static_cast<int>(ExitCode::done);
   throw NumericalError(std::to_string(outcome.failed_expectations) +
                        " of the scene's expectations are not met, see " + outcome.folder +
@@ -71,6 +103,12 @@ int modes_verb(const SceneArguments& arguments, int n) {
 
 int stability_verb(const SceneArguments& arguments, const StabilityOptions& options) {
   stability(MPI_COMM_WORLD, load(arguments), options);
+  return static_cast<int>(ExitCode::done);
+}
+
+int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options) {
+  converge(MPI_COMM_WORLD, load(arguments), options);
+  check_unused_options();
   return static_cast<int>(ExitCode::done);
 }
 

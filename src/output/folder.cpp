@@ -20,13 +20,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 14> own_files = {"history.csv",    "snapshots.h5",
-                                                        "snapshots.xdmf", "summary.json",
-                                                        "scene.yaml",     "snapshots_needle.xdmf",
-                                                        "stability.csv",  "stability_implicit.csv",
-                                                        "stability.png",  "plan.json",
-                                                        "results.csv",    "statistics.json",
-                                                        "report.md",      "study.png"};
+constexpr std::array<std::string_view, 15> own_files = {"history.csv",     "snapshots.h5",
+                                                        "snapshots.xdmf",  "summary.json",
+                                                        "scene.yaml",      "snapshots_needle.xdmf",
+                                                        "stability.csv",   "stability_implicit.csv",
+                                                        "stability.png",   "plan.json",
+                                                        "results.csv",     "statistics.json",
+                                                        "report.md",       "study.png",
+                                                        "convergence.json"};
 
 bool is_numbered(std::string_view name, std::string_view start, std::string_view end) {
   if (!name.starts_with(start) || !name.ends_with(end)) return false;
@@ -64,6 +65,8 @@ void remove_own_files(const fs::path& folder) {
     remove_file(folder / (std::string(name) + ".tmp"));
   }
   remove_from(folder / "frames", is_own_picture);
+  remove_from(folder / "fields",
+              [](std::string_view name) { return is_numbered(name, "", ".cbor"); });
   remove_from(folder / "scenes",
               [](std::string_view name) { return is_numbered(name, "", ".yaml"); });
 }

@@ -308,6 +308,7 @@ ordered_json summarise(MPI_Comm comm,
     entry["implanted_at"] = seed.time;
     entry["reference"] = plain(turn, std::vector{places[i].x})[0];
     entry["world"] = plain(turn, std::vector{world[i]})[0];
+    entry["tip_displacement"] = norm(seed.displacement);
     for (const auto& target : scene.targets) {
       if (target.name != seed.target) continue;
       entry["target"] = target.name;

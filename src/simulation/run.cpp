@@ -63,16 +63,58 @@ int check_expectations(const Scene& scene, nlohmann::ordered_json& summary) {
   return failed;
 }
 
+/// A number of the summary with what is known of its error.
+std::string shown_with(const nlohmann::ordered_json& summary,
+                       const std::string& quantity,
+                       double factor,
+                       const std::string& unit) {
+  const double value = find_number(summary, quantity).value_or(0);
+  if (summary.contains("uncertainty") && summary["uncertainty"].contains(quantity)) {
+    const auto& entry = summary["uncertainty"][quantity];
+    return with_uncertainty(value, {entry["mesh"].get<double>(), entry["step"].get<double>()},
+                            factor, unit);
+  }
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3f %s", factor * value, unit.c_str());
+  return text;
+}
+
+void add_uncertainty(const Scene& scene,
+                     const RunOptions& options,
+                     nlohmann::ordered_json& summary) {
+  if (!options.accuracy) return;
+  std::vector<std::string> quantities{"peak_needle_force"};
+  for (std::size_t i = 0; i < summary["seeds"].size(); ++i) {
+    quantities.push_back("seeds." + std::to_string(i) + ".placement_error");
+  }
+  for (const auto& quantity : quantities) {
+    const auto u = options.accuracy->of(quantity, scene.mesh.refine, scene.time.step);
+    if (!u) continue;
+    summary["uncertainty"][quantity] = {
+        {"mesh", u->mesh}, {"step", u->step}, {"total", u->total()}};
+  }
+}
+
 void print(const Scene& scene, const RunOutcome& outcome) {
   const auto& summary = outcome.summary;
-  for (const auto& seed : summary["seeds"]) {
+  bool known = true;
+  for (std::size_t i = 0; i < summary["seeds"].size(); ++i) {
+    const auto& seed = summary["seeds"][i];
     if (!seed.contains("placement_error")) continue;
-    std::printf("placement error of the seed for '%s': %.3f mm\n",
+    const std::string quantity = "seeds." + std::to_string(i) + ".placement_error";
+    known = known && summary.contains("uncertainty") && summary["uncertainty"].contains(quantity);
+    std::printf("placement error of the seed for '%s': %s\n",
                 seed["target"].get<std::string>().c_str(),
-                1e3 * seed["placement_error"].get<double>());
+                shown_with(summary, quantity, 1e3, "mm").c_str());
   }
   if (summary.contains("peak_needle_force")) {
-    std::printf("peak needle force: %.3f N\n", summary["peak_needle_force"].get<double>());
+    std::printf("peak needle force: %s\n",
+                shown_with(summary, "peak_needle_force", 1, "N").c_str());
+  }
+  if (!known) {
+    std::printf(
+        "note: numerical error unknown: no convergence study of this scene at this mesh and step "
+        "(stylet converge --store)\n");
   }
   for (const auto& needle : scene.needles) {
     if (needle.cutting.tip_length == 0) {
@@ -156,6 +198,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   recorder.finish(simulation);
   book("output");
   outcome.summary = summarise(comm, simulation, "completed", walls);
+  add_uncertainty(scene, options, outcome.summary);
   outcome.failed_expectations = check_expectations(scene, outcome.summary);
   write_summary(comm, summary_path, outcome.summary);
   if (rank_of(comm) == 0 && !options.quiet) print(scene, outcome);

@@ -216,6 +216,8 @@ void Simulation::implant() {
   const auto place = locate(mesh(), p, mesh().cells_around(needle_->track().tip()).front());
   if (!place) throw NumericalError("a seed fell outside the tissue");
   seed.place = *place;
+  const WorldPoint tip = needle_->axis().at<WorldFrame>(motion.tip());
+  seed.displacement = {tip.x - p.x, tip.y - p.y};
   seeds_.push_back(seed);
   motion.finish_action();
   if (!scene_.time.until_implanted || n_entered_ < scene_.needles.size()) return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stylet/simulation/run.hpp"
+#include "stylet/study/converge.hpp"
 #include "stylet/study/stability.hpp"
 #include "stylet/study/sweep.hpp"
 
@@ -15,10 +16,13 @@ struct SceneArguments {
   std::vector<std::string> overrides;  ///< key=value
 };
 
-int run_verb(const SceneArguments& arguments, const RunOptions& options);
+/// accuracy: wanted, such as '0.2 mm'; the study stored beside the scene then chooses mesh and step.
+/// Empty: as the scene says.
+int run_verb(SceneArguments arguments, RunOptions options, const std::string& accuracy);
 int check_verb(const SceneArguments& arguments);
 int modes_verb(const SceneArguments& arguments, int n);
 int stability_verb(const SceneArguments& arguments, const StabilityOptions& options);
+int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options);
 /// scene.file is the campaign's.
 int sweep_verb(const SceneArguments& arguments, const StudyOptions& options);
 int schema_verb(bool markdown);

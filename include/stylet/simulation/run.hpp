@@ -2,10 +2,12 @@
 #pragma once
 
 #include "stylet/scene/scene.hpp"
+#include "stylet/simulation/accuracy.hpp"
 
 #include <mpi.h>
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 
 namespace stylet {
@@ -14,6 +16,7 @@ struct RunOptions {
   std::string output;  ///< folder; empty: the scene's, or out/<name of the scene file>
   bool force = false;  ///< write into a folder that holds an earlier run
   bool quiet = false;
+  std::optional<Accuracy> accuracy;  ///< of this scene, for the uncertainty of its numbers
 };
 
 struct RunOutcome {

@@ -1,0 +1,33 @@
+// Displacement fields of runs on different meshes, compared with each other.
+#pragma once
+
+#include "stylet/mesh/mesh.hpp"
+#include "stylet/simulation/simulation.hpp"
+
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+/// Mesh and displacement at one moment.
+struct FieldSample {
+  double time = 0;                  ///< s
+  std::vector<double> coordinates;  ///< 2 a node (m), reference
+  std::vector<int> cells;           ///< 3 a triangle
+  std::vector<double> u;            ///< 2 a node (m)
+};
+
+/// Collective.
+[[nodiscard]] FieldSample field_now(const Simulation& simulation);
+
+/// A binary file (CBOR), whole or absent. Not collective.
+void write_fields(const std::string& path, const std::vector<FieldSample>& samples);
+/// Throws InputError if the file is not one of write_fields.
+[[nodiscard]] std::vector<FieldSample> read_fields(const std::string& path);
+
+/// || u - u_fine || / || u_fine || in L2 over the fine mesh, by a rule that is exact for quadratics
+/// on every fine triangle: exact where the meshes are nested, and where the needle has moved nodes
+/// the coarse field is evaluated where the fine one's points lie.
+[[nodiscard]] double relative_distance(const FieldSample& coarse, const FieldSample& fine);
+
+}  // namespace stylet

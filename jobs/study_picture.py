@@ -1,0 +1,56 @@
+"""What the pictures of studies share."""
+
+import sys
+
+try:
+    import matplotlib
+
+    matplotlib.use("Agg")  # no display needed
+    import matplotlib.pyplot as plt
+    import numpy as np
+except ImportError as error:
+    sys.exit(f"{sys.argv[0]} needs python3-numpy and python3-matplotlib: {error}")
+
+DARK = "#1d2730"
+COLOURS = ("#2a6f97", "#ff5a36", "#6a994e", "#7b4f9d", "#c28f00", "#3d3d3d")
+SHOWN_IN = {"placement_error": (1e3, "mm"), "tip_displacement": (1e3, "mm"),
+            "peak_needle_force": (1, "N")}
+
+
+class BadInput(Exception):
+    """Something the user can put right; ends the program with exit code 2."""
+
+
+class Quantity:
+    """A path in summary.json and the unit in which it is shown."""
+
+    def __init__(self, path):
+        self.path = path
+        last = path.split(".")[-1]
+        self.factor, self.unit = SHOWN_IN.get(last, (1, ""))
+        self.label = last.replace("_", " ") + (f" ({self.unit})" if self.unit else "")
+
+
+def style(axes):
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def read_json(path, verb):
+    import json
+
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise BadInput(f"{path} is missing; is this the output folder of {verb}?") from None
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path}: cannot be read: {error}") from None
+
+
+def run(main):
+    try:
+        main()
+    except BadInput as error:
+        print(f"{sys.argv[0].split('/')[-1]}: {error}", file=sys.stderr)
+        sys.exit(2)

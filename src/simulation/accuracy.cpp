@@ -1,0 +1,138 @@
+#include "stylet/simulation/accuracy.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/scene/writer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+
+namespace stylet {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double same_step = 1e-9;  // relative
+
+/// Of the level of that refinement; finer meshes than the finest follow its order.
+std::optional<double> mesh_part(const Json& mesh, int refine) {
+  const auto& levels = mesh["levels"];
+  for (const Json& level : levels) {
+    if (level["refine"] == refine) return level["uncertainty"].get<double>();
+  }
+  const Json& finest = levels.back();
+  const int finer = refine - finest["refine"].get<int>();
+  if (finer < 0) return std::nullopt;
+  const bool has_order = mesh["remark"].get<std::string>().empty();
+  const double order = has_order ? mesh["order"].get<double>() : 0;
+  return finest["uncertainty"].get<double>() * std::pow(2.0, -order * finer);
+}
+
+/// Of the longest studied step that is not shorter.
+std::optional<double> step_part(const Json& steps, double step) {
+  std::optional<double> found;
+  for (const Json& level : steps["levels"]) {  // longest first
+    if (level["step"].get<double>() * (1 + same_step) >= step) {
+      found = level["uncertainty"].get<double>();
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+double Uncertainty::total() const {
+  return std::hypot(mesh, step);
+}
+
+Accuracy::Accuracy(const std::string& path, const std::string& text) : path_(path) {
+  try {
+    study_ = Json::parse(text);
+    for (const char* key : {"scene", "runs", "quantities"}) (void)study_.at(key);
+  } catch (const Json::exception& error) {
+    throw InputError(path + ": is not a stored convergence study: " + error.what() +
+                     "; make it anew with stylet converge --store");
+  }
+}
+
+bool Accuracy::is_of(const Scene& scene) const {
+  return study_["scene"] == studied_text(scene);
+}
+
+std::optional<Uncertainty> Accuracy::of(const std::string& quantity,
+                                        int refine,
+                                        double step) const {
+  const auto& quantities = study_["quantities"];
+  if (!quantities.contains(quantity)) return std::nullopt;
+  const auto mesh = mesh_part(quantities[quantity]["mesh"], refine);
+  const auto time = step_part(quantities[quantity]["step"], step);
+  if (!mesh || !time) return std::nullopt;
+  return Uncertainty{*mesh, *time};
+}
+
+StudiedLevel Accuracy::cheapest(double wanted) const {
+  std::optional<StudiedLevel> best;
+  StudiedLevel most_accurate;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Json& run : study_["runs"]) {
+    StudiedLevel level{
+        run["refine"].get<int>(), run["step"].get<double>(), run["seconds"].get<double>(), {}};
+    bool known = false;
+    for (const auto& [quantity, unused] : study_["quantities"].items()) {
+      if (!quantity.ends_with(".placement_error")) continue;
+      const auto uncertainty = of(quantity, level.refine, level.step);
+      known = uncertainty.has_value();
+      if (!known) break;
+      if (uncertainty->total() >= level.uncertainty.total()) level.uncertainty = *uncertainty;
+    }
+    if (!known) continue;
+    const double total = level.uncertainty.total();
+    if (total < least) {
+      least = total;
+      most_accurate = level;
+    }
+    if (total <= wanted && (!best || level.seconds < best->seconds)) best = level;
+  }
+  if (best) return *best;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                ": no studied level brings the placement error within %.3g mm; the best is %.3g mm "
+                "(mesh.refine %d, time.step %.3g ms, %.3g s)",
+                1e3 * wanted, 1e3 * least, most_accurate.refine, 1e3 * most_accurate.step,
+                most_accurate.seconds);
+  throw InputError(path_ + text + "; study finer ones: stylet converge --mesh-levels");
+}
+
+std::string studied_text(Scene scene) {
+  scene.mesh.refine = 0;
+  scene.time.step = TimeParameters{}.step;
+  scene.time.until_implanted = false;
+  scene.output = {};
+  scene.expect.clear();
+  return to_yaml(scene);
+}
+
+std::string accuracy_path(const std::string& scene_file) {
+  const std::filesystem::path path(scene_file);
+  return (path.parent_path() / (path.stem().string() + ".accuracy.json")).string();
+}
+
+std::string with_uncertainty(double value,
+                             const Uncertainty& uncertainty,
+                             double factor,
+                             const std::string& unit) {
+  char text[120];
+  const double total = factor * uncertainty.total();
+  // Two digits of the uncertainty, and the value to the same place.
+  const int digits =
+      total > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(total))), 0, 6) : 6;
+  std::snprintf(text, sizeof text, "%.*f ± %.*f %s (mesh %.*f, step %.*f)", digits, factor * value,
+                digits, total, unit.c_str(), digits, factor * uncertainty.mesh, digits,
+                factor * uncertainty.step);
+  return text;
+}
+
+}  // namespace stylet

@@ -1,0 +1,298 @@
+#include "stylet/study/converge.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/output/progress.hpp"
+#include "stylet/output/summary.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/simulation/accuracy.hpp"
+#include "stylet/study/field_sample.hpp"
+#include "stylet/study/pool.hpp"
+#include "stylet/study/study_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+namespace stylet {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double ratio = 2;
+constexpr double mesh_order = 2;  // of a displacement in L2
+constexpr double step_order = 2;
+
+/// What a scene gives that can converge.
+std::vector<std::string> quantities_of(const Scene& scene) {
+  std::vector<std::string> paths;
+  std::size_t seed = 0;
+  for (const auto& needle : scene.needles) {
+    for (const auto& action : needle.motion) {
+      if (action.kind != ActionKind::implant) continue;
+      const std::string own = "seeds." + std::to_string(seed++);
+      if (!action.target.empty()) paths.push_back(own + ".placement_error");
+      paths.push_back(own + ".tip_displacement");
+    }
+  }
+  if (!scene.needles.empty()) paths.emplace_back("peak_needle_force");
+  for (const auto& probe : scene.probes) {
+    for (const char* component : {".0", ".1"}) paths.push_back("probes." + probe.name + component);
+  }
+  if (paths.empty()) {
+    throw InputError(scene.file + ": nothing to converge: the scene has no needle and no probes");
+  }
+  return paths;
+}
+
+class Study {
+ public:
+  Study(MPI_Comm comm, const Scene& scene, const ConvergeOptions& options)
+      : comm_(comm), scene_(scene), options_(options) {
+    if (options.mesh_levels < 1 || options.step_levels < 1 ||
+        options.mesh_levels + options.step_levels < 3) {
+      throw InputError(
+          "converge: --mesh-levels and --step-levels: allowed: 1 or more, and 2 or "
+          "more for one of them");
+    }
+    if (scene.time.method == TimeMethod::explicit_newmark && options.step_levels > 1) {
+      throw InputError(scene.file +
+                       ": key 'time.method': explicit steps are cut to the stable step, so there "
+                       "are no step levels to study; use --step-levels 1");
+    }
+    result_.quantities = quantities_of(scene);
+    add_series("mesh", options.mesh_levels, 1);
+    add_series("step", 1, options.step_levels);
+    add_series("joint", options.mesh_levels, options.step_levels);
+  }
+
+  Convergence run() {
+    result_.folder = study_folder(options_.study, "converge", scene_.file);
+    Pool pool(comm_, options_.study.ranks_per_run);
+    ResultsFile results(comm_, result_.folder + "/results.csv",
+                        open_study(comm_, result_.folder, options_.study, plan_json(), columns()));
+    agree_after(comm_, [&] {
+      std::error_code failed;
+      if (rank_of(comm_) == 0) std::filesystem::create_directories(fields_folder(), failed);
+      if (failed) throw IoError(fields_folder() + ": cannot be created: " + failed.message());
+    });
+    run_missing(pool, results);
+    results.finish();
+    read_back();
+    for (const Series& series : result_.series) {
+      std::vector<Extrapolation> of_series;
+      for (std::size_t q = 0; q < result_.quantities.size(); ++q) {
+        std::vector<double> values;
+        for (const std::size_t run : series.runs) values.push_back(result_.runs[run].values[q]);
+        of_series.push_back(
+            extrapolate(values, ratio, series.name == "step" ? step_order : mesh_order));
+      }
+      result_.extrapolations.push_back(std::move(of_series));
+    }
+    compare_fields();
+    return result_;
+  }
+
+ private:
+  void add_series(const std::string& name, int mesh_levels, int step_levels) {
+    const int n = std::max(mesh_levels, step_levels);
+    if (n < 2 || (name == "joint" && std::min(mesh_levels, step_levels) < 2)) return;
+    const int levels = name == "joint" ? std::min(mesh_levels, step_levels) : n;
+    Series series{name, {}};
+    for (int i = 0; i < levels; ++i) {
+      const Level level{scene_.mesh.refine + (mesh_levels > 1 ? i : 0),
+                        scene_.time.step / (step_levels > 1 ? std::pow(ratio, i) : 1)};
+      auto run = std::ranges::find(result_.runs, level, &LevelRun::level);
+      if (run == result_.runs.end()) run = result_.runs.insert(run, {level, 0, 0, {}});
+      series.runs.push_back(static_cast<std::size_t>(run - result_.runs.begin()));
+    }
+    result_.series.push_back(std::move(series));
+  }
+
+  [[nodiscard]] std::string fields_folder() const { return result_.folder + "/fields"; }
+  [[nodiscard]] std::string fields_path(std::size_t run) const {
+    return fields_folder() + "/" + id_of(run) + ".cbor";
+  }
+  static std::string id_of(std::size_t run) {
+    char text[24];
+    std::snprintf(text, sizeof text, "%05zu", run);
+    return text;
+  }
+
+  [[nodiscard]] Json plan_json() const {
+    Json plan{{"study", "converge"},
+              {"mesh_levels", options_.mesh_levels},
+              {"step_levels", options_.step_levels},
+              {"quantities", result_.quantities}};
+    for (const auto& run : result_.runs) {
+      plan["levels"].push_back({{"refine", run.level.refine}, {"step", run.level.step}});
+    }
+    plan["scene"] = studied_text(scene_);
+    return plan;
+  }
+
+  [[nodiscard]] std::vector<std::string> columns() const {
+    std::vector<std::string> names{"run", "status", "refine", "step [s]", "n_triangles"};
+    names.insert(names.end(), result_.quantities.begin(), result_.quantities.end());
+    names.insert(names.end(), {"error", "wall_time [s]"});
+    return names;
+  }
+
+  // The expensive levels first, so that no group is left with a long one at the end.
+  [[nodiscard]] std::vector<int> missing(const Table& table) const {
+    std::vector<int> runs;
+    for (std::size_t i = 0; i < result_.runs.size(); ++i) {
+      const bool done = std::ranges::any_of(
+          table.rows, [&](const auto& row) { return row[0] == id_of(i) && row[1] == "done"; });
+      if (!done) runs.push_back(static_cast<int>(i));
+    }
+    std::ranges::stable_sort(runs, std::greater(), [&](int run) { return cost(run); });
+    return runs;
+  }
+
+  [[nodiscard]] double cost(int run) const {
+    const Level& level = result_.runs[static_cast<std::size_t>(run)].level;
+    return std::pow(4.0, level.refine) / level.step;
+  }
+
+  void run_missing(Pool& pool, ResultsFile& results) {
+    const auto tasks = missing(results.table());
+    double total = 0;
+    for (const int task : tasks) total += cost(task);
+    double done = 0;
+    int n_done = 0;
+    double own_cost = 0;
+    Progress progress(comm_, options_.study.quiet);
+    const auto show = [&](double own) {
+      if (!progress.due()) return;
+      progress.update((done + own * own_cost) / total,
+                      std::to_string(n_done) + " of " + std::to_string(tasks.size()) + " levels");
+    };
+    pool.run(
+        tasks,
+        [&](int task, MPI_Comm group, const Poll& poll) {
+          own_cost = cost(task);
+          return measure(static_cast<std::size_t>(task), group, poll).dump();
+        },
+        [&](int task, const std::string& text) {
+          results.append({row_of(static_cast<std::size_t>(task), Json::parse(text))});
+          done += cost(task);
+          ++n_done;
+          show(0);
+        },
+        show);
+  }
+
+  [[nodiscard]] Json measure(std::size_t task, MPI_Comm group, const Poll& poll) const {
+    Scene scene = scene_;
+    scene.mesh.refine = result_.runs[task].level.refine;
+    scene.time.step = result_.runs[task].level.step;
+    keep_scene(group, result_.folder, id_of(task), scene);
+    std::vector<FieldSample> samples;
+    std::size_t n_seeds = 0;
+    const StudyRun run = run_in_study(group, scene, poll, [&](const Simulation& simulation) {
+      const std::size_t now = simulation.seeds().size();
+      if (now > n_seeds || (simulation.done() && now == 0)) {
+        samples.push_back(field_now(simulation));
+      }
+      n_seeds = now;
+    });
+    agree_after(group, [&] {
+      if (rank_of(group) == 0 && run.error.empty()) write_fields(fields_path(task), samples);
+    });
+    Json values = Json::array();
+    for (const auto& path : result_.quantities) {
+      const auto value = find_number(run.summary, path);
+      values.push_back(value ? Json(*value) : Json());
+    }
+    return {{"error", run.error},
+            {"seconds", run.seconds},
+            {"n_triangles", run.error.empty() ? run.summary["n_triangles"] : Json(0)},
+            {"values", values}};
+  }
+
+  [[nodiscard]] std::vector<std::string> row_of(std::size_t task, const Json& result) const {
+    const Level& level = result_.runs[task].level;
+    const auto error = result["error"].get<std::string>();
+    std::vector<std::string> row{id_of(task), error.empty() ? "done" : "failed",
+                                 std::to_string(level.refine), exact(level.step),
+                                 std::to_string(result["n_triangles"].get<int>())};
+    for (const Json& value : result["values"]) {
+      row.push_back(value.is_number() ? exact(value.get<double>()) : "");
+    }
+    row.push_back(error);
+    row.push_back(exact(result["seconds"].get<double>()));
+    return row;
+  }
+
+  /// From the file, so that every rank has the same and earlier runs count like new ones.
+  void read_back() {
+    const std::string path = result_.folder + "/results.csv";
+    const Table table = read_csv(path, read_on_all(comm_, path));
+    const std::size_t first_value = table.column("n_triangles") + 1;
+    for (const auto& row : table.rows) {
+      LevelRun& run = result_.runs.at(std::stoul(row[0]));
+      if (row[1] != "done") {
+        throw NumericalError("converge: the level with mesh.refine " +
+                             std::to_string(run.level.refine) + " and time.step " +
+                             exact(1e3 * run.level.step) +
+                             " ms failed: " + row[table.column("error")]);
+      }
+      run.n_triangles = std::stoi(row[table.column("n_triangles")]);
+      run.seconds = std::stod(row[table.column("wall_time [s]")]);
+      run.values.clear();
+      for (std::size_t q = 0; q < result_.quantities.size(); ++q) {
+        run.values.push_back(std::stod(row[first_value + q]));
+      }
+    }
+  }
+
+  void compare_fields() {
+    std::string failure;
+    if (rank_of(comm_) == 0) {
+      try {
+        std::vector<std::vector<FieldSample>> samples;
+        for (std::size_t i = 0; i < result_.runs.size(); ++i) {
+          samples.push_back(read_fields(fields_path(i)));
+        }
+        for (const auto& sample : samples.front()) result_.moments.push_back(sample.time);
+        for (const Series& series : result_.series) {
+          auto& distances = result_.field_distances.emplace_back();
+          const auto& fine = samples[series.runs.back()];
+          for (std::size_t i = 0; i + 1 < series.runs.size(); ++i) {
+            const auto& coarse = samples[series.runs[i]];
+            auto& of_level = distances.emplace_back();
+            for (std::size_t m = 0; m < fine.size(); ++m) {
+              of_level.push_back(relative_distance(coarse[m], fine[m]));
+            }
+          }
+        }
+      } catch (const Error& error) {
+        failure = error.what();
+      }
+    }
+    agree_after(comm_, [&] {
+      if (!failure.empty()) throw InputError(failure);
+    });
+  }
+
+  MPI_Comm comm_;
+  const Scene& scene_;
+  const ConvergeOptions& options_;
+  Convergence result_;
+};
+
+}  // namespace
+
+Convergence converge(MPI_Comm comm, const Scene& scene, const ConvergeOptions& options) {
+  Convergence result = Study(comm, scene, options).run();
+  if (options.store) result.stored = accuracy_path(scene.file);
+  report(comm, scene, result, options.study.quiet);
+  if (options.study.picture) draw(comm, "converge.py", result.folder, options.study.quiet);
+  return result;
+}
+
+}  // namespace stylet
