@@ -1,5 +1,6 @@
 #include "stylet/app/verbs.hpp"
 #include "stylet/base/errors.hpp"
+#include "stylet/base/units.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <CLI/CLI.hpp>
@@ -27,6 +28,8 @@ Examples:
       --set tissue.damping.mass_factor="200 1/s"
   mpirun -n 2 stylet converge input/prostate.yaml --store
   stylet run input/prostate.yaml --accuracy "0.2 mm"
+  stylet tradeoff input/prostate.yaml --set time.step="5 ms"
+  stylet plan input/prostate.yaml --depth-range "10 mm"
   mpirun -n 2 stylet sweep input/campaigns/figure09.yaml
   stylet schema
   stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg
@@ -149,6 +152,40 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   converge->add_flag(
       "--store", levels.store,
       "keep the result as <scene>.accuracy.json, for the uncertainties that run prints");
+  TradeoffOptions trade;
+  CLI::App* tradeoff = app.add_subcommand(
+      "tradeoff", "measure speed against accuracy: methods, meshes and steps of a scene");
+  takes_scene(tradeoff);
+  runs_many(tradeoff, "out/tradeoff-<scene>");
+  tradeoff
+      ->add_option("--mesh-levels", trade.mesh_levels,
+                   "the scene's mesh and finer ones; the reference is one finer still")
+      ->capture_default_str();
+  tradeoff->add_option("--step-levels", trade.step_levels, "the scene's time step and longer ones")
+      ->capture_default_str();
+  tradeoff->add_option("--repeats", trade.repeats, "of a run, for its median time")
+      ->capture_default_str();
+  PlanOptions plans;
+  CLI::App* plan = app.add_subcommand(
+      "plan", "find the heights and stops of the needles that bring the seeds to their targets");
+  takes_scene(plan);
+  const auto length = [&](const char* name, double& value, const char* doc) {
+    plan->add_option_function<std::string>(
+        name, [&value](const std::string& text) { value = to_si(text, "m"); }, doc);
+  };
+  length("--depth-range", plans.depth_range,
+         "how far a stop may be from the scene's, such as '10 mm' (default: 15 mm)");
+  length("--height-range", plans.height_range,
+         "how far a height may be from the scene's; '0 mm' keeps it (default: 5 mm)");
+  length("--tolerance", plans.tolerance, "placement error that is good enough (default: 0.05 mm)");
+  std::vector<std::string> speeds;
+  plan->add_option("--speed-range", speeds,
+                   "also choose the speed of insertion, between two such as '1 cm/s' '10 cm/s'")
+      ->expected(2);
+  plan->add_option("--most-runs", plans.most_runs, "for one needle")->capture_default_str();
+  plan->add_option("--output", plans.output, "folder of the results (default: out/plan-<scene>)");
+  plan->add_flag("--force", plans.force, "replace the results of an earlier plan");
+  plan->add_flag("--quiet", plans.quiet, "print errors only");
   CLI::App* sweep = app.add_subcommand("sweep", "run a campaign: a scene with some keys varied");
   sweep->add_option("campaign", scene.file, "campaign file (YAML)")->required();
   sweep->add_option("--set", scene.overrides, "key=value of the scene, for all runs")
@@ -180,6 +217,14 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   if (*converge) {
     levels.study = many;
     return converge_verb(scene, levels);
+  }
+  if (*tradeoff) {
+    trade.study = many;
+    return tradeoff_verb(scene, trade);
+  }
+  if (*plan) {
+    if (!speeds.empty()) plans.speeds = {to_si(speeds[0], "m/s"), to_si(speeds[1], "m/s")};
+    return plan_verb(scene, plans);
   }
   if (*sweep) return sweep_verb(scene, many);
   if (*stability) return stability_verb(scene, study);

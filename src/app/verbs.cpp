@@ -112,6 +112,21 @@ int converge_verb(const SceneArguments& arguments, const ConvergeOptions& option
   return static_cast<int>(ExitCode::done);
 }
 
+int plan_verb(const SceneArguments& arguments, PlanOptions options) {
+  const Scene scene = load(arguments);
+  options.accuracy = stored_accuracy(scene);
+  plan(MPI_COMM_WORLD, scene, options);
+  check_unused_options();
+  return static_cast<int>(ExitCode::done);
+}
+
+int tradeoff_verb(const SceneArguments& arguments, const TradeoffOptions& options) {
+  tradeoff(MPI_COMM_WORLD, arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file),
+           arguments.overrides, options);
+  check_unused_options();
+  return static_cast<int>(ExitCode::done);
+}
+
 int sweep_verb(const SceneArguments& arguments, const StudyOptions& options) {
   const Campaign campaign = load_campaign(
       arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file), arguments.overrides);

@@ -20,14 +20,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 15> own_files = {"history.csv",     "snapshots.h5",
-                                                        "snapshots.xdmf",  "summary.json",
-                                                        "scene.yaml",      "snapshots_needle.xdmf",
-                                                        "stability.csv",   "stability_implicit.csv",
-                                                        "stability.png",   "plan.json",
-                                                        "results.csv",     "statistics.json",
-                                                        "report.md",       "study.png",
-                                                        "convergence.json"};
+constexpr std::array<std::string_view, 18> own_files = {
+    "history.csv",      "snapshots.h5",
+    "snapshots.xdmf",   "summary.json",
+    "scene.yaml",       "snapshots_needle.xdmf",
+    "stability.csv",    "stability_implicit.csv",
+    "stability.png",    "plan.json",
+    "results.csv",      "statistics.json",
+    "report.md",        "study.png",
+    "convergence.json", "planned.yaml",
+    "plan.csv",         "tradeoff.json"};
 
 bool is_numbered(std::string_view name, std::string_view start, std::string_view end) {
   if (!name.starts_with(start) || !name.ends_with(end)) return false;

@@ -3,8 +3,10 @@
 
 #include "stylet/simulation/run.hpp"
 #include "stylet/study/converge.hpp"
+#include "stylet/study/plan.hpp"
 #include "stylet/study/stability.hpp"
 #include "stylet/study/sweep.hpp"
+#include "stylet/study/tradeoff.hpp"
 
 #include <string>
 #include <vector>
@@ -23,6 +25,8 @@ int check_verb(const SceneArguments& arguments);
 int modes_verb(const SceneArguments& arguments, int n);
 int stability_verb(const SceneArguments& arguments, const StabilityOptions& options);
 int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options);
+int plan_verb(const SceneArguments& arguments, PlanOptions options);
+int tradeoff_verb(const SceneArguments& arguments, const TradeoffOptions& options);
 /// scene.file is the campaign's.
 int sweep_verb(const SceneArguments& arguments, const StudyOptions& options);
 int schema_verb(bool markdown);
