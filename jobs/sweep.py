@@ -214,12 +214,33 @@ def draw_morris(campaign):
                     "sigma": sigma.tolist(), "sigma_interval": sigma_range.T.tolist()}, lines
 
 
-def draw_sobol(campaign):
-    """First and total order by OpenTURNS (Saltelli's estimator, bootstrap intervals)."""
+def sobol_indices(points, values, rows):
+    """First order by Mauntz and Kucherenko's estimator, which is the better one for small indices,
+    and total order by Jansen's; both by OpenTURNS, with bootstrap intervals."""
     try:
         import openturns as ot
     except ImportError as error:
         raise BadInput(f"Sobol indices need python3-openturns: {error}") from None
+    arguments = ot.Sample(points.tolist()), ot.Sample(values.reshape(-1, 1).tolist()), rows
+    ot.RandomGenerator.SetSeed(1)
+
+    def prepared(kind):
+        algorithm = kind(*arguments)
+        algorithm.setUseAsymptoticDistribution(False)
+        algorithm.setConfidenceLevel(CONFIDENCE)
+        return algorithm
+
+    def with_interval(index, interval):
+        return np.array([np.array(index), np.array(interval.getLowerBound()),
+                         np.array(interval.getUpperBound())])
+
+    first = prepared(ot.MauntzKucherenkoSensitivityAlgorithm)
+    total = prepared(ot.JansenSensitivityAlgorithm)
+    return (with_interval(first.getFirstOrderIndices(), first.getFirstOrderIndicesInterval()),
+            with_interval(total.getTotalOrderIndices(), total.getTotalOrderIndicesInterval()))
+
+
+def draw_sobol(campaign):
     d, n = len(campaign.variables), campaign.plan["samples"]
     x, y = unit_cube(campaign), campaign.mean[:, 0]
     blocks = y.reshape(d + 2, n)
@@ -228,29 +249,20 @@ def draw_sobol(campaign):
     if kept < 2:
         raise BadInput("fewer than two whole rows: nothing to estimate")
     points = x.reshape(d + 2, n, d)[:, whole].reshape(-1, d)
-    algorithm = ot.SaltelliSensitivityAlgorithm(
-        ot.Sample(points.tolist()), ot.Sample(blocks[:, whole].reshape(-1, 1).tolist()), kept)
-    algorithm.setUseAsymptoticDistribution(False)
-    algorithm.setConfidenceLevel(CONFIDENCE)
-    first, total = (np.array(i) for i in (algorithm.getFirstOrderIndices(),
-                                          algorithm.getTotalOrderIndices()))
-    def ends(interval):
-        return np.array(interval.getLowerBound()), np.array(interval.getUpperBound())
-    first_range = ends(algorithm.getFirstOrderIndicesInterval())
-    total_range = ends(algorithm.getTotalOrderIndicesInterval())
+    first, total = sobol_indices(points, blocks[:, whole].ravel(), kept)
     names = [v["name"] for v in campaign.variables]
-    figure = bars(names, [("first order", first, *first_range), ("total", total, *total_range)],
+    figure = bars(names, [("first order", *first), ("total", *total)],
                   f"share of the variance of\n{campaign.outputs[0].label}")
     both = blocks[:2, whole]
     lines = [f"mean {both.mean():.3g}, standard deviation {both.std(ddof=1):.3g} "
              f"{campaign.outputs[0].unit} over {both.size} points"]
-    lines += [f"{names[j]}: first {first[j]:.2f} [{first_range[0][j]:.2f}, {first_range[1][j]:.2f}], "
-              f"total {total[j]:.2f} [{total_range[0][j]:.2f}, {total_range[1][j]:.2f}]"
-              for j in np.argsort(-total)]
+    lines += [f"{names[j]}: first {first[0, j]:.2f} [{first[1, j]:.2f}, {first[2, j]:.2f}], "
+              f"total {total[0, j]:.2f} [{total[1, j]:.2f}, {total[2, j]:.2f}]"
+              for j in np.argsort(-total[0])]
     return figure, {"rows": kept, "variables": names, "mean": float(both.mean()),
                     "standard_deviation": float(both.std(ddof=1)),
-                    "first": first.tolist(), "first_interval": np.array(first_range).T.tolist(),
-                    "total": total.tolist(), "total_interval": np.array(total_range).T.tolist()}, lines
+                    "first": first[0].tolist(), "first_interval": first[1:].T.tolist(),
+                    "total": total[0].tolist(), "total_interval": total[1:].T.tolist()}, lines
 
 
 def draw_scatter(campaign):
