@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Stylet needs; --tests adds those of its tests and mesher,
-# --studies those that statistics of campaigns need.
+# --studies those that statistics of campaigns need, --slurm a cluster for tests/slurm.
 # What is already there is left alone, and with everything there no root is needed.
 set -euo pipefail
 
@@ -14,7 +14,8 @@ case "${1-}" in
   "") ;;
   --tests) packages+=(libgtest-dev libgmock-dev gmsh python3-gmsh python3-openturns) ;;
   --studies) packages+=(python3-openturns) ;;   # Sobol indices
-  *) echo "install.sh: unknown argument '$1'; allowed: --tests, --studies" >&2; exit 2 ;;
+  --slurm) packages+=(slurm-wlm munge) ;;        # for tests/slurm
+  *) echo "install.sh: unknown argument '$1'; allowed: --tests, --studies, --slurm" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

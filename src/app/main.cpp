@@ -191,6 +191,13 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   sweep->add_option("--set", scene.overrides, "key=value of the scene, for all runs")
       ->allow_extra_args(false);
   runs_many(sweep, "out/sweep-<campaign>");
+  SweepOptions campaign;
+  std::string part;
+  sweep->add_option("--part", part,
+                    "K/N: run every N-th run, from the K-th on, into part-K in the folder; N of "
+                    "these make the campaign");
+  sweep->add_flag("--join", campaign.join,
+                  "take over what parts in the folder have run, then run what is missing");
   CLI::App* schema =
       app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
   schema->add_flag("--markdown", markdown, "as a table for the README");
@@ -226,7 +233,11 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
     if (!speeds.empty()) plans.speeds = {to_si(speeds[0], "m/s"), to_si(speeds[1], "m/s")};
     return plan_verb(scene, plans);
   }
-  if (*sweep) return sweep_verb(scene, many);
+  if (*sweep) {
+    campaign.study = many;
+    if (!part.empty()) campaign.part = parse_part(part);
+    return sweep_verb(scene, campaign);
+  }
   if (*stability) return stability_verb(scene, study);
   return schema_verb(markdown);
 }

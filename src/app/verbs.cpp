@@ -127,7 +127,7 @@ int tradeoff_verb(const SceneArguments& arguments, const TradeoffOptions& option
   return static_cast<int>(ExitCode::done);
 }
 
-int sweep_verb(const SceneArguments& arguments, const StudyOptions& options) {
+int sweep_verb(const SceneArguments& arguments, const SweepOptions& options) {
   const Campaign campaign = load_campaign(
       arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file), arguments.overrides);
   sweep(MPI_COMM_WORLD, campaign, options);

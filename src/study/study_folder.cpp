@@ -35,6 +35,14 @@ bool succeeds(const std::string& program, const std::vector<std::string>& argume
   return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
+/// Collective. As rank 0 sees it.
+bool exists(MPI_Comm comm, const std::string& path) {
+  int there = 0;
+  if (rank_of(comm) == 0) there = fs::exists(path) ? 1 : 0;
+  MPI_Bcast(&there, 1, MPI_INT, 0, comm);
+  return there == 1;
+}
+
 }  // namespace
 
 std::string study_folder(const StudyOptions& options,
@@ -42,6 +50,10 @@ std::string study_folder(const StudyOptions& options,
                          const std::string& file) {
   if (!options.output.empty()) return options.output;
   return "out/" + verb + "-" + fs::path(file).stem().string();
+}
+
+bool holds_study(MPI_Comm comm, const std::string& folder) {
+  return exists(comm, folder + "/plan.json");
 }
 
 Table open_study(MPI_Comm comm,
@@ -55,18 +67,13 @@ Table open_study(MPI_Comm comm,
   if (options.resume && options.force) {
     throw InputError("--resume keeps earlier results, --force replaces them: give one of them");
   }
-  int there = 0;
-  if (rank_of(comm) == 0) there = fs::exists(plan_path) ? 1 : 0;
-  MPI_Bcast(&there, 1, MPI_INT, 0, comm);
-  if (options.resume && there == 1) {
+  if (options.resume && exists(comm, plan_path)) {
     if (read_on_all(comm, plan_path) != text) {
       throw InputError(plan_path +
                        ": the study in this folder was another one, so it cannot be resumed; use "
                        "another folder with --output, or --force to replace it");
     }
-    if (rank_of(comm) == 0) there = fs::exists(results_path) ? 1 : 0;
-    MPI_Bcast(&there, 1, MPI_INT, 0, comm);
-    if (there == 0) return {std::move(columns), {}};
+    if (!exists(comm, results_path)) return {std::move(columns), {}};
     Table table = read_csv(results_path, read_on_all(comm, results_path));
     if (!table.columns.empty() && table.columns != columns) {
       throw InputError(results_path + ": its columns are not those of this study");

@@ -17,6 +17,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <numeric>
 
 namespace stylet {
 
@@ -30,8 +31,11 @@ std::string titled(const std::string& name, const std::string& unit) {
 
 class Sweep {
  public:
-  Sweep(MPI_Comm comm, const Campaign& campaign, const StudyOptions& options)
-      : comm_(comm), campaign_(campaign), options_(options) {
+  Sweep(MPI_Comm comm, const Campaign& campaign, const SweepOptions& options)
+      : comm_(comm), campaign_(campaign), options_(options.study), part_(options.part) {
+    if (part_ && options.join) {
+      throw InputError("--part runs a part of the campaign, --join all of it: give one of them");
+    }
     const auto folder = std::filesystem::path(campaign.file).parent_path();
     scene_file_ = (folder / campaign.scene).lexically_normal().string();
     scene_text_ = read_on_all(comm, scene_file_);
@@ -41,23 +45,24 @@ class Sweep {
     (void)scene_of(0);  // a wrong key strikes all runs
   }
 
-  SweepOutcome run() {
+  SweepOutcome run(bool join) {
     const auto start = std::chrono::steady_clock::now();
     SweepOutcome outcome;
     outcome.folder = study_folder(options_, "sweep", campaign_.file);
+    if (part_) outcome.folder = part_folder(outcome.folder, *part_);
     Pool pool(comm_, options_.ranks_per_run);
-    ResultsFile results(
-        comm_, outcome.folder + "/results.csv",
-        whole_runs(open_study(comm_, outcome.folder, options_, plan_json(), columns())));
-    const auto missing = missing_runs(results.table());
-    outcome.runs = static_cast<int>(plan_.runs.size());
+    ResultsFile results(comm_, outcome.folder + "/results.csv",
+                        join ? joined(outcome.folder) : opened(outcome.folder, options_));
+    const auto own = own_runs();
+    const auto missing = missing_runs(own, results.table());
+    outcome.runs = static_cast<int>(own.size());
     outcome.kept = outcome.runs - static_cast<int>(missing.size());
     Progress progress(comm_, options_.quiet);
     int done = 0;
     int failed = 0;
-    const auto show = [&](double own) {
+    const auto show = [&](double of_run) {
       if (!progress.due()) return;
-      progress.update((done + own) / static_cast<double>(missing.size()),
+      progress.update((done + of_run) / static_cast<double>(missing.size()),
                       std::to_string(done + outcome.kept) + " of " + std::to_string(outcome.runs) +
                           " runs" + (failed > 0 ? ", " + std::to_string(failed) + " failed" : ""));
     };
@@ -79,7 +84,8 @@ class Sweep {
     const auto& rows = results.table().rows;
     int n_failed = static_cast<int>(
         std::ranges::count_if(rows, [&](const auto& row) { return row[status] == "failed"; }));
-    const bool none_left = n_failed == static_cast<int>(rows.size());
+    // Of a part all may fail: whether the campaign did, shows when the parts are joined.
+    const bool none_left = !part_ && n_failed == static_cast<int>(rows.size());
     int shared[2] = {n_failed, none_left ? 1 : 0};
     MPI_Bcast(shared, 2, MPI_INT, 0, comm_);
     outcome.failed = shared[0];
@@ -142,6 +148,36 @@ class Sweep {
     return plan;
   }
 
+  /// Opens the folder of the campaign or of a part; what is there of whole runs.
+  [[nodiscard]] Table opened(const std::string& folder, const StudyOptions& how) const {
+    return whole_runs(open_study(comm_, folder, how, plan_json(), columns()));
+  }
+
+  /// The parts' results, beside what the folder had before; the first of a run counts.
+  [[nodiscard]] Table joined(const std::string& folder) const {
+    const auto parts = parts_in(comm_, folder);
+    StudyOptions how = options_;
+    // A folder that has the parts only is no reason to refuse; nothing of theirs is removed.
+    how.resume = !how.force && holds_study(comm_, folder);
+    how.force = !how.resume;
+    Table table = opened(folder, how);
+    how.resume = true;
+    how.force = false;
+    for (const auto& part : parts) {
+      const auto wanted = missing_runs(all_runs(), table);
+      std::vector<std::string> taken;
+      for (auto& row : opened(part, how).rows) {
+        if (std::ranges::none_of(wanted, [&](int run) { return row.front() == id_of(run); })) {
+          continue;
+        }
+        taken.push_back(row.front());
+        table.rows.push_back(std::move(row));
+      }
+      take_scenes(comm_, folder, part, taken);
+    }
+    return table;
+  }
+
   /// Without runs of which a kill left some rows only.
   [[nodiscard]] Table whole_runs(Table table) const {
     std::erase_if(table.rows, [&, all = table.rows](const auto& row) {
@@ -155,9 +191,22 @@ class Sweep {
     return table;
   }
 
-  [[nodiscard]] std::vector<int> missing_runs(const Table& table) const {
+  [[nodiscard]] std::vector<int> all_runs() const {
+    std::vector<int> runs(plan_.runs.size());
+    std::iota(runs.begin(), runs.end(), 0);
+    return runs;
+  }
+
+  [[nodiscard]] std::vector<int> own_runs() const {
+    auto runs = all_runs();
+    if (part_) std::erase_if(runs, [&](int run) { return !is_in(*part_, run); });
+    return runs;
+  }
+
+  [[nodiscard]] static std::vector<int> missing_runs(const std::vector<int>& of,
+                                                     const Table& table) {
     std::vector<int> missing;
-    for (int task = 0; task < static_cast<int>(plan_.runs.size()); ++task) {
+    for (const int task : of) {
       const auto id = id_of(task);
       const auto is_own = [&](const auto& row) { return row.front() == id; };
       if (std::ranges::none_of(table.rows, is_own)) missing.push_back(task);
@@ -240,6 +289,7 @@ class Sweep {
   MPI_Comm comm_;
   const Campaign& campaign_;
   const StudyOptions& options_;
+  const std::optional<Part>& part_;
   std::string scene_file_;
   std::string scene_text_;
   CampaignPlan plan_;
@@ -247,9 +297,11 @@ class Sweep {
 
 }  // namespace
 
-SweepOutcome sweep(MPI_Comm comm, const Campaign& campaign, const StudyOptions& options) {
-  SweepOutcome outcome = Sweep(comm, campaign, options).run();
-  if (options.picture) draw(comm, "sweep.py", outcome.folder, options.quiet);
+SweepOutcome sweep(MPI_Comm comm, const Campaign& campaign, const SweepOptions& options) {
+  SweepOutcome outcome = Sweep(comm, campaign, options).run(options.join);
+  if (options.study.picture && !options.part) {
+    draw(comm, "sweep.py", outcome.folder, options.study.quiet);
+  }
   return outcome;
 }
 

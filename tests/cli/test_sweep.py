@@ -158,6 +158,22 @@ class Sweep(CliTest):
         self.assert_code(self.sweep("campaign.yaml", "--force", "--quiet"), DONE)
         self.assertTrue((self.folder / "out/sweep-campaign/mine.txt").exists())
 
+    def test_parts_make_the_campaign(self):
+        self.assert_code(self.sweep("campaign.yaml", "--output", "whole"), DONE)
+        for part in ("1/3", "3/3"):
+            self.assert_code(self.sweep("campaign.yaml", "--output", "parts", "--part", part), DONE)
+        self.assertEqual([r["run"] for r in self.rows("parts/part-3")], ["00002", "00005"])
+        outcome = self.sweep("campaign.yaml", "--output", "parts", "--join")
+        self.assert_code(outcome, DONE)
+        self.assertIn("4 of them kept", outcome.out)
+        self.assertEqual(self.results("parts"), self.results("whole"))
+        for k in range(6):
+            self.assertTrue((self.folder / f"parts/scenes/{k:05d}.yaml").exists())
+        for wrong in ("0/3", "4/3", "2", "a/b"):
+            self.assert_refused(self.sweep("campaign.yaml", "--part", wrong), "--part", "K/N")
+        self.assert_refused(self.sweep("campaign.yaml", "--join", "--output", "none"), "--join", "no part")
+        self.assert_refused(self.sweep("campaign.yaml", "--join", "--part", "1/2"), "--part", "--join")
+
     def test_picture_and_report(self):
         outcome = self.stylet("sweep", "campaign.yaml")
         self.assert_code(outcome, DONE)

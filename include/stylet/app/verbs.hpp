@@ -28,7 +28,7 @@ int converge_verb(const SceneArguments& arguments, const ConvergeOptions& option
 int plan_verb(const SceneArguments& arguments, PlanOptions options);
 int tradeoff_verb(const SceneArguments& arguments, const TradeoffOptions& options);
 /// scene.file is the campaign's.
-int sweep_verb(const SceneArguments& arguments, const StudyOptions& options);
+int sweep_verb(const SceneArguments& arguments, const SweepOptions& options);
 int schema_verb(bool markdown);
 
 }  // namespace stylet

@@ -27,6 +27,9 @@ struct StudyOptions {
                                        const std::string& verb,
                                        const std::string& file);
 
+/// Collective. Whether a study has begun in the folder.
+[[nodiscard]] bool holds_study(MPI_Comm comm, const std::string& folder);
+
 /// Collective. Makes the folder with plan.json and scenes/, or finds the one to be resumed. Returns
 /// the rows that are there. Throws InputError if the folder is not empty, or was made by another
 /// plan.

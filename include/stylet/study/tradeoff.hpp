@@ -26,9 +26,9 @@ struct Way {
 struct TradeoffRun {
   std::string way;
   int refine = 0;
-  double step = 0;     ///< s, as asked for
-  double value = 0;    ///< m, placement error
-  double error = 0;    ///< m, of the value against the reference
+  double step = 0;   ///< s, as asked for
+  double value = 0;  ///< m, placement error
+  double error = 0;  ///< m, of the value against the reference
   /// m; the largest error of this and all finer runs of this way. Errors of mesh and step may cancel
   /// at one level; only this one can be relied on.
   double safe_error = 0;
