@@ -3,8 +3,11 @@
 #include "stylet/base/errors.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
+#include <string>
 
 namespace stylet {
 
@@ -100,6 +103,42 @@ std::vector<double> Conditions::load(const Mesh& mesh, double t) const {
     }
   }
   return force;
+}
+
+void check_held(const Scene& scene, const Mesh& mesh, std::span<const PrescribedDof> held) {
+  std::array<std::size_t, 2> n{};
+  std::array<double, 2> arm{};  // mean of y over dofs along x, of x over dofs along y
+  for (const auto& [dof, value, velocity] : held) {
+    const auto component = static_cast<std::size_t>(dof % 2);
+    ++n[component];
+    arm[component] += mesh.coordinates(dof / 2)[1 - component];
+  }
+  const auto refuse = [&](const std::string& motion) {
+    throw InputError(scene.file + ": key 'supports': nothing keeps the tissue from " + motion +
+                     "; without inertia (time.method quasi_static) it has to be held: fixed or "
+                     "roller");
+  };
+  for (const std::size_t component : {0U, 1U}) {
+    if (n[component] == 0) {
+      refuse(scene.needle_angle == std::numbers::pi
+                 ? (component == 0 ? "moving along x" : "moving along y")
+                 : (component == 0 ? "moving along the needle" : "moving across the needle"));
+    }
+    arm[component] /= static_cast<double>(n[component]);
+  }
+  // Held along both axes, it can turn only about the point that no dof feels.
+  double turning = 0;
+  double size = 0;
+  for (const auto& [dof, value, velocity] : held) {
+    const auto component = static_cast<std::size_t>(dof % 2);
+    turning =
+        std::max(turning, std::abs(mesh.coordinates(dof / 2)[1 - component] - arm[component]));
+  }
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    size = std::max(size, distance(mesh.point(node), mesh.point(0)));
+  }
+  constexpr double round_off = 1e-9;
+  if (turning <= round_off * size) refuse("turning");
 }
 
 }  // namespace stylet

@@ -79,6 +79,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
   }
   base_ = conditions_.prescribed(0);
+  if (scene_.time.method == TimeMethod::quasi_static) check_held(scene_, mesh(), base_);
   check_step(scene_, mesh(), std::min(scene_.time.step, integrator_->stable_step()));
   for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) {
     *vec = tissue_->make_vector();

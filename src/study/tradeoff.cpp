@@ -12,10 +12,11 @@
 #include "stylet/study/study_run.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
+#include <map>
 #include <optional>
 
 namespace stylet {
@@ -27,11 +28,12 @@ using Json = nlohmann::ordered_json;
 constexpr const char* quantity = "seeds.0.placement_error";
 constexpr const char* usual = "backward_euler";
 constexpr const char* slow_limit = "quasi_static";
+constexpr double patience = 20;  // times the usual way's time at equal mesh and step
 
 /// Each differs from the usual way in one thing.
-std::vector<Way> ways() {
+std::vector<Way> ways(bool has_shortcut) {
   const std::string implicit = "time.method=implicit";
-  const std::string shortcut = "time.until=implanted";
+  const std::string shortcut = has_shortcut ? "time.until=implanted" : "time.until=settled";
   const std::string euler = "time.scheme=backward_euler";
   const std::string explicit_steps = "time.method=explicit";
   return {
@@ -79,7 +81,9 @@ class Study {
     if (options.mesh_levels < 1 || options.step_levels < 1 || options.repeats < 1) {
       throw InputError("tradeoff: --mesh-levels, --step-levels and --repeats: allowed: 1 or more");
     }
-    for (const Way& way : ways()) {
+    const bool has_shortcut = allows("time.until=implanted");
+    for (const Way& way : ways(has_shortcut)) {
+      if (way.name == "whole_procedure" && !has_shortcut) continue;  // all are
       for (int mesh = 0; mesh < options.mesh_levels; ++mesh) {
         for (int step = 0; step < options.step_levels; ++step) {
           // Explicit steps are cut to the stable one.
@@ -88,7 +92,7 @@ class Study {
         }
       }
     }
-    plan({"reference", ways().front().changes}, scene.mesh.refine + options.mesh_levels,
+    plan({"reference", ways(has_shortcut).front().changes}, scene.mesh.refine + options.mesh_levels,
          scene.time.step / 2);
   }
 
@@ -114,6 +118,17 @@ class Study {
   }
 
  private:
+  [[nodiscard]] bool allows(const std::string& change) const {
+    auto changes = changes_;
+    changes.push_back(change);
+    try {
+      (void)load_scene(file_, text_, changes);
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+
   void plan(const Way& way, int refine, double step) {
     TradeoffRun& run = result_.runs.emplace_back();
     run.way = way.name;
@@ -174,7 +189,11 @@ class Study {
       keep_scene(comm_, result_.folder, id, scene);
       double total = 0;
       while (static_cast<int>(times.size()) < options_.repeats && total < long_run) {
-        run = run_in_study(comm_, scene, poll);
+        const auto start = std::chrono::steady_clock::now();
+        run = run_in_study(comm_, scene, [&](double own) {
+          poll(own);
+          stop_if_hopeless(i, std::chrono::steady_clock::now() - start);
+        });
         // All ranks decide by the same clock.
         check_mpi(MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_));
         times.push_back(run.seconds);
@@ -185,7 +204,21 @@ class Study {
       run.error = one_line(error.what());
     }
     if (times.empty()) times.push_back(0);
+    if (result_.runs[i].way == usual)
+      usual_times_[{result_.runs[i].refine, result_.runs[i].step}] = times[0];
     return row(i, run, times);
+  }
+
+  /// Collective. Throws NumericalError: undamped tissue may never settle.
+  void stop_if_hopeless(std::size_t i, std::chrono::duration<double> elapsed) {
+    const TradeoffRun& run = result_.runs[i];
+    const auto known = usual_times_.find({run.refine, run.step});
+    if (run.way.starts_with("explicit") || known == usual_times_.end()) return;
+    int hopeless = elapsed.count() > patience * known->second ? 1 : 0;
+    check_mpi(MPI_Bcast(&hopeless, 1, MPI_INT, 0, comm_));  // by the same clock
+    if (hopeless == 0) return;
+    throw NumericalError("stopped after " + std::to_string(static_cast<int>(patience)) +
+                         " times the time of " + usual);
   }
 
   void read_back() {
@@ -231,6 +264,7 @@ class Study {
   std::vector<std::string> changes_;
   const TradeoffOptions& options_;
   std::vector<std::vector<std::string>> overrides_;
+  std::map<std::pair<int, double>, double> usual_times_;  ///< s, by refine and step; of this start
   Tradeoff result_;
 };
 

@@ -97,5 +97,16 @@ TEST(Refusal, NeedleThatWouldLeaveTheFarSide) {
               HasSubstr("needle 'needle1', motion.0.insert: ends 0.08"));
 }
 
+// Without inertia a rigid motion has no resistance.
+TEST(Refusal, QuasiStaticTissueHasToBeHeld) {
+  const auto with = [](const std::string& supports) {
+    return message_of<InputError>(pulled, {"time={method: quasi_static}", "supports=" + supports});
+  };
+  EXPECT_THAT(with("{}"), HasSubstr("moving along x"));
+  EXPECT_THAT(with("{left: roller}"), HasSubstr("moving along y"));
+  EXPECT_THAT(with("{left: roller, bottom: roller}"), "no error");
+  EXPECT_THAT(with("{left: fixed}"), "no error");
+}
+
 }  // namespace
 }  // namespace stylet

@@ -35,4 +35,8 @@ class Conditions {
   std::vector<std::array<std::vector<int>, 2>> curve_dofs_;
 };
 
+/// Throws InputError that names a rigid motion which these dofs leave free: without inertia nothing
+/// else resists it.
+void check_held(const Scene& scene, const Mesh& mesh, std::span<const PrescribedDof> held);
+
 }  // namespace stylet
