@@ -1,9 +1,6 @@
 #!/usr/bin/python3
 """Picture and report of a convergence study: study.png, report.md."""
 
-import argparse
-from pathlib import Path
-
 from study_picture import COLOURS, DARK, Quantity, np, plt, read_json, run, style
 
 EXAMPLES = """examples:
@@ -73,19 +70,14 @@ def report(study, quantities):
     return "\n".join(lines)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, epilog=EXAMPLES,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="output folder of stylet converge")
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
-    arguments = parser.parse_args()
-    study = read_json(arguments.folder / "convergence.json", "stylet converge")
+def main(folder, quiet):
+    study = read_json(folder / "convergence.json", "stylet converge")
     quantities = [Quantity(path) for path in study["quantities"]]
-    draw(study, quantities).savefig(arguments.folder / "study.png", dpi=110)
-    (arguments.folder / "report.md").write_text(report(study, quantities), encoding="utf-8")
-    if not arguments.quiet:
-        print(f"picture and report in {arguments.folder}: study.png, report.md")
+    draw(study, quantities).savefig(folder / "study.png", dpi=110)
+    (folder / "report.md").write_text(report(study, quantities), encoding="utf-8")
+    if not quiet:
+        print(f"picture and report in {folder}: study.png, report.md")
 
 
 if __name__ == "__main__":
-    run(main)
+    run(main, __doc__, EXAMPLES)

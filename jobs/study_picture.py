@@ -1,6 +1,9 @@
 """What the pictures of studies share."""
 
+import argparse
+import json
 import sys
+from pathlib import Path
 
 try:
     import matplotlib
@@ -38,8 +41,6 @@ def style(axes):
 
 
 def read_json(path, verb):
-    import json
-
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -48,9 +49,15 @@ def read_json(path, verb):
         raise BadInput(f"{path}: cannot be read: {error}") from None
 
 
-def run(main):
+def run(draw, description, examples):
+    """Parses the command line of such a script and calls draw(folder, quiet)."""
+    parser = argparse.ArgumentParser(description=description, epilog=examples,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="output folder of the study")
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
+    arguments = parser.parse_args()
     try:
-        main()
+        draw(arguments.folder, arguments.quiet)
     except BadInput as error:
         print(f"{sys.argv[0].split('/')[-1]}: {error}", file=sys.stderr)
         sys.exit(2)

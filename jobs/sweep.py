@@ -1,10 +1,8 @@
 #!/usr/bin/python3
 """Statistics, picture and report of a campaign: study.png, statistics.json, report.md."""
 
-import argparse
 import csv
 import json
-from pathlib import Path
 
 from study_picture import COLOURS, DARK, BadInput, Quantity, np, plt, read_json, run, style
 
@@ -301,19 +299,14 @@ DRAWINGS = {"grid": draw_grid, "one_at_a_time": draw_one_at_a_time, "morris": dr
             "sobol": draw_sobol, "random": draw_scatter, "latin_hypercube": draw_scatter}
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, epilog=EXAMPLES,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="output folder of stylet sweep")
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
-    arguments = parser.parse_args()
-    campaign = Campaign(arguments.folder)
+def main(folder, quiet):
+    campaign = Campaign(folder)
     figure, statistics, lines = DRAWINGS[campaign.plan["design"]](campaign)
     title = campaign.plan["title"]
     if title:
         figure.suptitle(title, color=DARK)
     figure.tight_layout()
-    figure.savefig(arguments.folder / "study.png", dpi=110)
+    figure.savefig(folder / "study.png", dpi=110)
     if campaign.plan["shifts"] > 1:
         lines.append(f"jitter over the shifts of a point: {campaign.jitter[0]:.2g} "
                      f"{campaign.outputs[0].unit} (standard deviation; bands in the picture)")
@@ -322,15 +315,15 @@ def main():
     statistics |= {"output": campaign.outputs[0].path, "unit": campaign.outputs[0].unit,
                    "confidence": CONFIDENCE, "jitter": campaign.jitter[0],
                    "points": len(campaign.values), "incomplete": campaign.incomplete}
-    (arguments.folder / "statistics.json").write_text(json.dumps(statistics, indent=1) + "\n")
+    (folder / "statistics.json").write_text(json.dumps(statistics, indent=1) + "\n")
     report = [f"# {title or 'Campaign'}", "", f"Design {campaign.plan['design']}, "
               f"{campaign.plan['runs']} runs; intervals are at {100 * CONFIDENCE:g} %.", ""]
     report += [f"- {line}" for line in lines] + ["", "![](study.png)", ""]
-    (arguments.folder / "report.md").write_text("\n".join(report))
-    if not arguments.quiet:
+    (folder / "report.md").write_text("\n".join(report))
+    if not quiet:
         print("\n".join(lines))
-        print(f"picture and report in {arguments.folder}: study.png, statistics.json, report.md")
+        print(f"picture and report in {folder}: study.png, statistics.json, report.md")
 
 
 if __name__ == "__main__":
-    run(main)
+    run(main, __doc__, EXAMPLES)

@@ -1,9 +1,6 @@
 #!/usr/bin/python3
 """Work-precision diagram and report of a trade-off study: study.png, report.md."""
 
-import argparse
-from pathlib import Path
-
 from study_picture import COLOURS, DARK, plt, read_json, run, style
 
 EXAMPLES = """examples:
@@ -54,18 +51,13 @@ def report(study):
                      + ["", "![](study.png)", ""])
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, epilog=EXAMPLES,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="output folder of stylet tradeoff")
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
-    arguments = parser.parse_args()
-    study = read_json(arguments.folder / "tradeoff.json", "stylet tradeoff")
-    draw(study).savefig(arguments.folder / "study.png", dpi=110)
-    (arguments.folder / "report.md").write_text(report(study), encoding="utf-8")
-    if not arguments.quiet:
-        print(f"picture and report in {arguments.folder}: study.png, report.md")
+def main(folder, quiet):
+    study = read_json(folder / "tradeoff.json", "stylet tradeoff")
+    draw(study).savefig(folder / "study.png", dpi=110)
+    (folder / "report.md").write_text(report(study), encoding="utf-8")
+    if not quiet:
+        print(f"picture and report in {folder}: study.png, report.md")
 
 
 if __name__ == "__main__":
-    run(main)
+    run(main, __doc__, EXAMPLES)

@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* quantity = "seeds.0.placement_error";
 constexpr const char* usual = "backward_euler";
 constexpr const char* slow_limit = "quasi_static";
-constexpr double patience = 20;  // times the usual way's time at equal mesh and step
+constexpr double patience = 10;  // times the usual way's time at equal mesh and step
 
 /// Each differs from the usual way in one thing.
 std::vector<Way> ways(bool has_shortcut) {
