@@ -82,6 +82,15 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
   throw InputError("'" + arguments[0] + "' is no verb; allowed: " + verbs + "; see stylet --help");
 }
 
+/// The value of an option in SI.
+double in_unit(const std::string& option, const std::string& text, const std::string& unit) {
+  try {
+    return to_si(text, unit);
+  } catch (const InputError& error) {
+    throw InputError(option + ": " + error.what());
+  }
+}
+
 int program(std::vector<std::string> arguments, const std::string& other_option) {
   CLI::App app{
       "stylet simulates how a needle deforms and cuts soft tissue and where its seeds end "
@@ -171,7 +180,7 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   takes_scene(plan);
   const auto length = [&](const char* name, double& value, const char* doc) {
     plan->add_option_function<std::string>(
-        name, [&value](const std::string& text) { value = to_si(text, "m"); }, doc);
+        name, [name, &value](const std::string& text) { value = in_unit(name, text, "m"); }, doc);
   };
   length("--depth-range", plans.depth_range,
          "how far a stop may be from the scene's, such as '10 mm' (default: 15 mm)");
@@ -218,7 +227,10 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
   } catch (const CLI::ParseError& error) {
     throw InputError(std::string(error.what()) + "; see stylet --help");
   }
-  if (*run) return run_verb(scene, options, accuracy);
+  if (*run) {
+    if (!accuracy.empty()) (void)in_unit("--accuracy", accuracy, "m");
+    return run_verb(scene, options, accuracy);
+  }
   if (*check) return check_verb(scene);
   if (*modes) return modes_verb(scene, n_modes);
   if (*converge) {
@@ -230,7 +242,9 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
     return tradeoff_verb(scene, trade);
   }
   if (*plan) {
-    if (!speeds.empty()) plans.speeds = {to_si(speeds[0], "m/s"), to_si(speeds[1], "m/s")};
+    if (!speeds.empty())
+      plans.speeds = {in_unit("--speed-range", speeds[0], "m/s"),
+                      in_unit("--speed-range", speeds[1], "m/s")};
     return plan_verb(scene, plans);
   }
   if (*sweep) {

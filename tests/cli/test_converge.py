@@ -111,7 +111,9 @@ class Studies(CliTest):
         self.assert_code(self.stylet("run", "out/plan-scene/planned.yaml", "--output", "planned"), DONE)
         run = self.json("planned/summary.json")
         self.assertAlmostEqual(run["seeds"][0]["placement_error"], seed["placement_error"], delta=1e-12)
-        self.assert_refused(self.stylet("plan", "scene.yaml", "--depth-range", "3"), "unit")
+        self.assert_refused(self.stylet("plan", "scene.yaml", "--depth-range", "3"),
+                            "--depth-range", "unit")
+        self.assert_refused(self.stylet("run", "scene.yaml", "--accuracy", "2"), "--accuracy", "unit")
         self.assert_refused(self.stylet("plan", "scene.yaml", "--set", "targets=null",
                                         "--output", "new"), "target")
 

@@ -20,8 +20,8 @@ namespace stylet {
 
 struct Seed {
   std::string needle;
-  std::string target;  ///< empty if the scene has none
-  double time = 0;     ///< of implantation (s)
+  std::string target;    ///< empty if the scene has none
+  double time = 0;       ///< of implantation (s)
   Vector2 displacement;  ///< of the tissue there when it was implanted (m)
   EmbeddedPoint place;
 };
