@@ -3,7 +3,6 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
-#include "stylet/petsc/session.hpp"
 
 #include <string>
 
@@ -38,26 +37,6 @@ ConstrainedSolver::ConstrainedSolver(MPI_Comm comm, double rtol) : comm_(comm), 
   check(KSPSetFromOptions(ksp_.get()));
 }
 
-// One rank: CHOLMOD. Several: each factors the whole operator with it, so that a solve is one exchange
-// of vectors; a distributed factor waits for the other ranks at every front, which costs more than
-// the arithmetic on small problems. Beyond that the memory of all ranks is needed: MUMPS.
-void ConstrainedSolver::choose_factor(PetscInt n_dofs) {
-  constexpr PetscInt largest_replicated = 200000;
-  check(PCCreate(comm_, inner_.put()));
-  PC factor = inner_.get();
-  const bool replicated = size_of(comm_) > 1 && n_dofs <= largest_replicated;
-  if (replicated) {
-    KSP whole = nullptr;
-    check(PCSetType(inner_.get(), PCREDUNDANT));
-    check(PCRedundantGetKSP(inner_.get(), &whole));
-    check(KSPSetType(whole, KSPPREONLY));
-    check(KSPGetPC(whole, &factor));
-  }
-  check(PCSetType(factor, PCCHOLESKY));
-  check(PCFactorSetMatSolverType(
-      factor, replicated || size_of(comm_) == 1 ? MATSOLVERCHOLMOD : MATSOLVERMUMPS));
-}
-
 PetscErrorCode ConstrainedSolver::multiply(Mat shell, Vec x, Vec y) {
   return guard([&] {
     void* context = nullptr;
@@ -74,7 +53,7 @@ PetscErrorCode ConstrainedSolver::precondition(PC shell, Vec x, Vec y) {
     void* context = nullptr;
     check(PCShellGetContext(shell, &context));
     const auto* self = static_cast<ConstrainedSolver*>(context);
-    check(PCApply(self->inner_.get(), x, y));
+    self->factor_->apply(x, y);
     self->project(y);
   });
 }
@@ -101,47 +80,13 @@ void ConstrainedSolver::adopt(Mat a, Vec like) {
   check(MatCreateShell(comm_, local, local, global, global, this, shell_.put()));
   check(MatShellSetOperation(shell_.get(), MATOP_MULT, reinterpret_cast<void (*)()>(multiply)));
   check(MatSetOption(shell_.get(), MAT_SYMMETRIC, PETSC_TRUE));
-  check(MatDuplicate(a, MAT_DO_NOT_COPY_VALUES, eliminated_.put()));
-  check(MatSetOption(eliminated_.get(), MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
-  check(MatSetOption(eliminated_.get(), MAT_SPD, PETSC_TRUE));
-  check(MatSetOption(eliminated_.get(), MAT_SPD_ETERNAL, PETSC_TRUE));
   check(KSPSetOperators(ksp_.get(), shell_.get(), shell_.get()));
-  if (inner_.get() == nullptr) choose_factor(global);
+  if (!factor_) factor_.emplace(comm_, global);
   for (OwnedVec* vec : {&rhs_, &work_, &weights_, &response_, &unit_}) {
     check(VecDuplicate(like, vec->put()));
     check(VecSet(vec->get(), 0));
   }
   stale_ = true;
-}
-
-void ConstrainedSolver::factor() {
-  static const LogEvent event("StyletFactor");
-  const LogScope scope(event);
-  check(MatCopy(a_, eliminated_.get(), SAME_NONZERO_PATTERN));
-  PetscInt first = 0;
-  check(VecGetOwnershipRange(work_.get(), &first, nullptr));
-  std::vector<PetscInt> rows;
-  for (const PetscInt i : prescribed_) rows.push_back(first + i);
-  // The eliminated rows' diagonal has the size of the others, for the sake of conditioning.
-  check(MatGetDiagonal(a_, work_.get()));
-  PetscScalar sum = 0;
-  PetscInt n = 0;
-  check(VecSum(work_.get(), &sum));
-  check(VecGetSize(work_.get(), &n));
-  check(MatZeroRowsColumns(eliminated_.get(), static_cast<PetscInt>(rows.size()), rows.data(),
-                           sum / n, nullptr, nullptr));
-  check(PCSetOperators(inner_.get(), eliminated_.get(), eliminated_.get()));
-  if (n_set_ups_ == 0) check(PCSetFromOptions(inner_.get()));
-  check(PCSetUp(inner_.get()));
-  PCFailedReason reason = PC_NOERROR;
-  check(PCGetFailedReason(inner_.get(), &reason));
-  if (reason != PC_NOERROR) {
-    throw NumericalError(
-        "the step's operator cannot be factored: it is singular or indefinite (is "
-        "the tissue supported, and are all elements valid?)");
-  }
-  stale_ = false;
-  ++n_set_ups_;
 }
 
 int ConstrainedSolver::run(Vec rhs, Vec x, const char* what) {
@@ -170,7 +115,10 @@ ConstrainedSolver::Result ConstrainedSolver::solve(
   for (const auto& [dof, value] : given) {
     if (dof >= begin && dof < end) prescribed_.push_back(dof - begin);
   }
-  if (stale_) factor();
+  if (stale_) {
+    factor_->set_up(a, prescribed_);
+    stale_ = false;
+  }
 
   // rhs = P (b - A g) with g the given values, zero elsewhere.
   check(VecSet(work_.get(), 0));

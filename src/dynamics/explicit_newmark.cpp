@@ -4,36 +4,13 @@
 #include "stylet/base/text.hpp"
 #include "stylet/dynamics/central_difference_ts.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace stylet {
-
-namespace {
-
-/// A vector's owned entries, by global dof.
-class Entries {
- public:
-  explicit Entries(Vec vec) : vec_(vec) {
-    check(VecGetOwnershipRange(vec, &begin_, &end_));
-    check(VecGetArray(vec, &values_));
-  }
-  Entries(const Entries&) = delete;
-  Entries& operator=(const Entries&) = delete;
-  ~Entries() { (void)VecRestoreArray(vec_, &values_); }
-  [[nodiscard]] bool owns(int dof) const { return dof >= begin_ && dof < end_; }
-  double& operator[](int dof) { return values_[dof - begin_]; }
-
- private:
-  Vec vec_;
-  PetscInt begin_ = 0;
-  PetscInt end_ = 0;
-  PetscScalar* values_ = nullptr;
-};
-
-}  // namespace
 
 double stable_step(double omega_squared, double stiffness_factor) {
   const double omega = std::sqrt(omega_squared);
@@ -93,17 +70,18 @@ void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   if (lowered) largest_bound_ = *std::ranges::max_element(bound_);
 }
 
-void ExplicitNewmark::begin(State& state, Vec load, double h) {
+void ExplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
   state_ = &state;
   load_ = load;
   h_ = h;
+  held_ = held;
   fresh_ = true;
 }
 
 void ExplicitNewmark::accelerate(Vec u, Vec v_half, Vec a) {
   {
     Entries entries(u);
-    for (const auto& c : constraints_->dofs) {
+    for (const auto& c : dofs_) {
       if (!c.velocity && entries.owns(c.dof)) entries[c.dof] = c.value;
     }
   }
@@ -137,7 +115,8 @@ void ExplicitNewmark::restore() {
 }
 
 Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
-  constraints_ = &constraints;
+  dofs_.assign(held_.begin(), held_.end());
+  dofs_.insert(dofs_.end(), constraints.dofs.begin(), constraints.dofs.end());
   if (fresh_ || edited) {
     check(VecCopy(state_->u.get(), u_.get()));
     check(VecCopy(state_->v.get(), v_.get()));
@@ -150,7 +129,8 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   } else {
     restore();
   }
-  return {u_.get(), v_.get(), reaction_.get(), apply(constraints), 0};
+  trial_ = {u_.get(), v_.get(), reaction_.get(), apply(constraints), 0};
+  return trial_;
 }
 
 // Contact on the dofs that feel it; everything is local since the mass is diagonal.
@@ -176,7 +156,7 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
   {
     const PetscScalar* u0 = nullptr;
     check(VecGetArrayRead(state_->u.get(), &u0));
-    for (const auto& c : constraints.dofs) {
+    for (const auto& c : dofs_) {
       if (!v.owns(c.dof)) continue;
       keep(c.dof);
       held.push_back(c.dof);

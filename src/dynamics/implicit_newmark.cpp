@@ -1,10 +1,16 @@
 #include "stylet/dynamics/implicit_newmark.hpp"
 
+#include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
-#include <vector>
 
 namespace stylet {
 
@@ -26,11 +32,15 @@ StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity) {
 ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters)
     : tissue_(tissue),
       inertia_(parameters.method != TimeMethod::quasi_static),
-      k_(coefficients(parameters.scheme, parameters.rho_infinity)),
-      solver_(tissue.comm()) {
+      k_(coefficients(parameters.scheme, parameters.rho_infinity)) {
   if (!inertia_) k_ = {0, 0, 1, 0, 1};
-  for (OwnedVec* vec :
-       {&u_, &v_, &u_guess_, &v_guess_, &increment_, &rhs_, &rhs_base_, &reaction_, &work_}) {
+  if (Factor::exact()) {
+    near_.emplace(tissue.comm(), tissue.n_dofs());
+  } else {
+    solver_.emplace(tissue.comm());
+  }
+  for (OwnedVec* vec : {&u_, &v_, &u_guess_, &v_guess_, &increment_, &held_increment_, &rhs_,
+                        &rhs_base_, &reaction_, &work_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -40,19 +50,44 @@ double ImplicitNewmark::stable_step() const {
   return std::numeric_limits<double>::infinity();
 }
 
-void ImplicitNewmark::begin(State& state, Vec load, double h) {
+void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
+  if (!near_) return;
+  const auto rows = tissue_.rows_of(mesh, cells);
+  edited_.insert(edited_.end(), rows.begin(), rows.end());
+  sort_unique(edited_);
+  surrounding_ = tissue_.coupled(mesh, edited_);
+}
+
+void ImplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
   state_ = &state;
   load_ = load;
   h_ = h;
-  if (!inertia_ && operator_h_ == 0) {
-    tissue_.make_tangent({0, 1});
-    solver_.forget();
-  } else if (inertia_ && h != operator_h_) {
-    tissue_.make_tangent(tissue_.tangent(k_.g1 / (k_.c1 * h), (1 - k_.alpha_m) / (k_.c1 * h * h)));
-    solver_.forget();
+  held_.assign(held.begin(), held.end());
+  const bool anew = inertia_ ? h != operator_h_ : operator_h_ == 0;
+  if (anew) {
+    tissue_.make_tangent(
+        inertia_ ? tissue_.tangent(k_.g1 / (k_.c1 * h), (1 - k_.alpha_m) / (k_.c1 * h * h))
+                 : Combination{0, 1});
+    near_ ? near_->forget() : solver_->forget();
   }
   operator_h_ = h;
   predict();
+  if (!near_) return;
+  hold();
+  Mat a = tissue_.tangent_matrix();
+  if (near_->wants_factor()) {
+    near_->factor(a, held);
+  } else if (!edited_.empty()) {
+    near_->changed(a, dofs_of(edited_));
+  }
+  edited_.clear();
+  check(VecCopy(rhs_base_.get(), rhs_.get()));
+  for (const auto& c : held_) set_owned(rhs_.get(), c.dof, 0);
+  near_->load(rhs_.get());
+  u_near_.clear();
+  v_near_.clear();
+  change_.clear();
+  refresh_near();
 }
 
 // Predictors from the state as it is now, and the forces that they leave unbalanced.
@@ -85,52 +120,71 @@ void ImplicitNewmark::predict() {
   check(VecAYPX(rhs_base_.get(), -1, load_));
 }
 
+// The unknown that gives a dof its displacement or velocity; u, v: its predictors.
+double ImplicitNewmark::increment_of(const PrescribedDof& c, double u, double v) const {
+  return c.velocity ? (c.value - v) / speed() : c.value - u;
+}
+
+// Increments of held dofs, and what they take of the right-hand side.
+void ImplicitNewmark::hold() {
+  const Values u(u_guess_.get());
+  const Values v(v_guess_.get());
+  int moves = 0;
+  for (const auto& c : held_) {
+    if (!u.owns(c.dof)) continue;
+    const double value = increment_of(c, u[c.dof], v[c.dof]);
+    if (value != 0) moves = 1;
+    set_owned(held_increment_.get(), c.dof, value);
+  }
+  if (size_of(tissue_.comm()) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &moves, 1, MPI_INT, MPI_MAX, tissue_.comm()));
+  }
+  held_move_ = moves != 0;
+  if (!held_move_) return;
+  check(MatMult(tissue_.tangent_matrix(), held_increment_.get(), work_.get()));
+  check(VecAXPY(rhs_base_.get(), -1, work_.get()));
+}
+
 Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
+  trial_ = near_ ? attempt_near(constraints) : attempt_whole(constraints, edited);
+  return trial_;
+}
+
+Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints, bool edited) {
   if (edited) predict();
   check(VecCopy(rhs_base_.get(), rhs_.get()));
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  check(VecGetOwnershipRange(rhs_.get(), &begin, &end));
-  PetscScalar* b = nullptr;
-  check(VecGetArray(rhs_.get(), &b));
-  for (const auto& [dof, force] : constraints.forces) {
-    if (dof >= begin && dof < end) b[dof - begin] += force;
+  {
+    Entries b(rhs_.get());
+    for (const auto& [dof, force] : constraints.forces) {
+      if (b.owns(dof)) b[dof] += force;
+    }
   }
-  check(VecRestoreArray(rhs_.get(), &b));
-
   // Given displacements and velocities as given increments.
-  const PetscScalar* u = nullptr;
-  const PetscScalar* v = nullptr;
-  check(VecGetArrayRead(u_guess_.get(), &u));
-  check(VecGetArrayRead(v_guess_.get(), &v));
-  const double speed = k_.g1 / (k_.c1 * h_);  // v1 = v_guess + speed * increment
   std::vector<DofValue> given;
-  given.reserve(constraints.dofs.size());
-  for (const auto& c : constraints.dofs) {
-    double value = 0;
-    if (c.dof >= begin && c.dof < end) {
-      value = c.velocity ? (c.value - v[c.dof - begin]) / speed : c.value - u[c.dof - begin];
-    }
-    given.push_back({c.dof, value});
-  }
   std::optional<MeanCondition> mean = constraints.mean;
-  if (mean) {
-    double before = 0;
-    for (const auto& [dof, weight] : mean->weights) {
-      if (dof >= begin && dof < end) before += weight * u[dof - begin];
+  {
+    const Values u(u_guess_.get());
+    const Values v(v_guess_.get());
+    const auto add = [&](const PrescribedDof& c) {
+      given.push_back({c.dof, u.owns(c.dof) ? increment_of(c, u[c.dof], v[c.dof]) : 0});
+    };
+    std::ranges::for_each(held_, add);
+    std::ranges::for_each(constraints.dofs, add);
+    if (mean) {
+      double before = 0;
+      for (const auto& [dof, weight] : mean->weights) {
+        if (u.owns(dof)) before += weight * u[dof];
+      }
+      if (size_of(tissue_.comm()) > 1) {
+        check_mpi(MPI_Allreduce(MPI_IN_PLACE, &before, 1, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+      }
+      mean->value -= before;
     }
-    if (size_of(tissue_.comm()) > 1) {
-      check_mpi(MPI_Allreduce(MPI_IN_PLACE, &before, 1, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
-    }
-    mean->value -= before;
   }
-  check(VecRestoreArrayRead(v_guess_.get(), &v));
-  check(VecRestoreArrayRead(u_guess_.get(), &u));
-
-  const auto result = solver_.solve(tissue_.tangent_matrix(), rhs_.get(), given,
-                                    mean ? &*mean : nullptr, increment_.get(), reaction_.get());
+  const auto result = solver_->solve(tissue_.tangent_matrix(), rhs_.get(), given,
+                                     mean ? &*mean : nullptr, increment_.get(), reaction_.get());
   check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
-  check(VecWAXPY(v_.get(), speed, increment_.get(), v_guess_.get()));
+  check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
   return {u_.get(), v_.get(), reaction_.get(), result.lambda, result.iterations};
 }
 
@@ -142,33 +196,6 @@ void ImplicitNewmark::accept() {
     check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
   }
   state_->t += h_;
-}
-
-void initial_acceleration(const TissueOperator& tissue,
-                          State& state,
-                          Vec load,
-                          const ConstraintSet& constraints) {
-  OwnedVec rhs = tissue.make_vector();
-  OwnedVec work = tissue.make_vector();
-  const auto damping = tissue.damping().value_or(RayleighDamping{});
-  check(VecWAXPY(work.get(), damping.stiffness_factor, state.v.get(), state.u.get()));
-  check(MatMult(tissue.stiffness(), work.get(), rhs.get()));
-  tissue.apply_mass(state.v.get(), work.get());
-  check(VecAXPY(rhs.get(), damping.mass_factor, work.get()));
-  check(VecAYPX(rhs.get(), -1, load));
-  PetscReal size = 0;
-  check(VecNorm(rhs.get(), NORM_INFINITY, &size));
-  check(VecSet(state.a.get(), 0));
-  if (size == 0) return;
-  std::vector<DofValue> given;
-  for (const auto& c : constraints.dofs) given.push_back({c.dof, 0.0});
-  if (tissue.mass() != nullptr) {
-    ConstrainedSolver solver(tissue.comm());
-    solver.solve(tissue.mass(), rhs.get(), given, nullptr, state.a.get(), work.get());
-    return;
-  }
-  check(VecPointwiseDivide(state.a.get(), rhs.get(), tissue.lumped_mass()));
-  for (const auto& [dof, zero] : given) set_owned(state.a.get(), dof, zero);
 }
 
 }  // namespace stylet

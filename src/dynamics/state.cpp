@@ -8,10 +8,21 @@
 
 namespace stylet {
 
+std::vector<int> dofs_of(std::span<const int> nodes) {
+  std::vector<int> dofs;
+  dofs.reserve(2 * nodes.size());
+  for (const int node : nodes) {
+    dofs.push_back(2 * node);
+    dofs.push_back(2 * node + 1);
+  }
+  return dofs;
+}
+
 std::vector<std::vector<double>> gather(std::span<const Vec> vectors, std::span<const int> dofs) {
+  const std::size_t n = dofs.size();
+  if (n == 0) return std::vector<std::vector<double>>(vectors.size());
   static const LogEvent event("StyletGather");
   const LogScope scope(event);
-  const std::size_t n = dofs.size();
   std::vector<double> packed(vectors.size() * n, 0.0);
   MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(vectors.front()));
   for (std::size_t k = 0; k < vectors.size(); ++k) {

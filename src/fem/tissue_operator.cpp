@@ -145,46 +145,6 @@ VolumetricState TissueOperator::volumetric(const Mesh& mesh,
   return {lambda * trace, 0.5 * lambda * trace * trace};
 }
 
-double TissueOperator::element_bound(const Mesh& mesh, int cell) const {
-  const auto element = simplex(mesh, cell);
-  const auto m = material(cell);
-  std::array<std::array<double, 6>, 6> k{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) {
-      const auto block = element.stiffness(a, b, m.moduli);
-      for (std::size_t i = 0; i < 2; ++i) {
-        for (std::size_t j = 0; j < 2; ++j) k[2 * a + i][2 * b + j] = block[i][j];
-      }
-    }
-  }
-  // (sum lambda^16)^(1/16) by three squarings: K_e has rank 3, so at most 3^(1/16) too high.
-  double scale = 1;
-  double exponent = 1;
-  for (int squaring = 0; squaring < 3; ++squaring) {
-    double largest = 0;
-    for (const auto& row : k) {
-      for (const double value : row) largest = std::max(largest, std::abs(value));
-    }
-    scale *= std::pow(largest, 1 / exponent);
-    std::array<std::array<double, 6>, 6> square{};
-    for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j < 6; ++j) {
-        for (std::size_t l = 0; l < 6; ++l) {
-          square[i][j] += k[i][l] / largest * (k[l][j] / largest);
-        }
-      }
-    }
-    k = square;
-    exponent *= 2;
-  }
-  double frobenius = 0;
-  for (const auto& row : k) {
-    for (const double value : row) frobenius += value * value;
-  }
-  const double largest = scale * std::pow(frobenius, 1 / (2 * exponent));
-  return largest / (m.density * element.lumped_mass());
-}
-
 void TissueOperator::make_pattern(const Mesh& mesh) {
   static const LogEvent event("StyletPattern");
   const LogScope scope(event);
@@ -320,21 +280,34 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
   }
 }
 
-bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells) {
+std::vector<int> TissueOperator::rows_of(const Mesh& mesh, std::span<const int> cells) const {
   std::vector<int> nodes;
-  for (const int cell : touched_cells) {
+  for (const int cell : cells) {
     for (const int node : mesh.cell(cell)) nodes.push_back(node);
   }
   sort_unique(nodes);
-  if (averaged()) {  // rows of a node know the cells around its neighbours
-    std::vector<int> wider;
-    for (const int node : nodes) {
-      const auto around = mesh.neighbours(node);
-      wider.insert(wider.end(), around.begin(), around.end());
-    }
-    nodes = std::move(wider);
-    sort_unique(nodes);
+  if (!averaged()) return nodes;
+  std::vector<int> wider;  // rows of a node know the cells around its neighbours
+  for (const int node : nodes) {
+    const auto around = mesh.neighbours(node);
+    wider.insert(wider.end(), around.begin(), around.end());
   }
+  sort_unique(wider);
+  return wider;
+}
+
+std::vector<int> TissueOperator::coupled(const Mesh& mesh, std::span<const int> nodes) const {
+  std::vector<int> all;
+  for (const int node : nodes) {
+    const auto around = nodes_within(mesh, node, averaged() ? 2 : 1);
+    all.insert(all.end(), around.begin(), around.end());
+  }
+  sort_unique(all);
+  return all;
+}
+
+bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells) {
+  const std::vector<int> nodes = rows_of(mesh, touched_cells);
   remix(mesh, touched_cells);
   // The mesh is replicated, so every rank can see whether any owner lacks a coupling.
   int lacks = 0;

@@ -117,7 +117,7 @@ void Simulation::start() {
   // Quasi-static loads grow from zero in the first step; dynamic ones act at once.
   if (scene_.time.method != TimeMethod::quasi_static) {
     if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
-    initial_acceleration(*tissue_, state_, load_.get(), constraints(nullptr));
+    initial_acceleration(*tissue_, state_, load_.get(), constraints());
   }
 }
 
@@ -228,17 +228,18 @@ void Simulation::implant() {
 }
 
 ConstraintSet Simulation::constraints() const {
-  return constraints(needle_ && !needle_->released() ? &*needle_ : nullptr);
+  ConstraintSet set = needle_constraints(needle_ && !needle_->released() ? &*needle_ : nullptr);
+  set.dofs.insert(set.dofs.end(), base_.begin(), base_.end());
+  return set;
 }
 
-ConstraintSet Simulation::constraints(const Needle* active) const {
+ConstraintSet Simulation::needle_constraints(const Needle* active) const {
   ConstraintSet set;
   if (active != nullptr) set = active->constraints(mesh());
   // Where a support and the needle meet, the support holds.
   std::erase_if(set.dofs, [&](const PrescribedDof& c) {
     return std::ranges::binary_search(base_, c.dof, {}, &PrescribedDof::dof);
   });
-  set.dofs.insert(set.dofs.end(), base_.begin(), base_.end());
   return set;
 }
 
@@ -258,27 +259,30 @@ double Simulation::sub_step(double longest, StepRecord& record) {
       motion().action().kind == ActionKind::settle && !motion().action().duration;
   const std::size_t action = motion().index();
 
-  integrator_->begin(state_, load_.get(), step.h);
+  integrator_->begin(state_, load_.get(), step.h, base_);
   NeedleStepReport report;
   Trial trial;
+  std::vector<int> shaft;
   for (int pass = 0;; ++pass) {
     const bool edited = active != nullptr && edit_for_needle();
-    const ConstraintSet set = constraints(active);
-    trial = integrator_->attempt(set, edited);
+    if (active != nullptr) {
+      shaft = active->shaft_nodes();
+      integrator_->watch(shaft);
+    }
+    trial = integrator_->attempt(needle_constraints(active), edited);
     ++record.passes;
     record.iterations += trial.iterations;
-    if (active == nullptr) break;
-    const auto shaft = active->shaft_nodes();
-    const TrialView view = trial_view(shaft, trial);
-    if (active->review(mesh(), view, trial.lambda)) {
-      report = active->commit(mesh(), start_view(shaft), view, trial.lambda, ledger_.end_weight());
-      break;
-    }
+    if (active == nullptr || active->review(mesh(), trial_view(shaft, trial), trial.lambda)) break;
     if (pass == most_passes) {
       throw NumericalError("the contact of needle '" + active->parameters().name +
                            "' does not settle after " + std::to_string(pass) +
                            " solves; take a smaller time.step");
     }
+  }
+  trial = integrator_->finish();
+  if (active != nullptr) {
+    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial), trial.lambda,
+                            ledger_.end_weight());
   }
   accept(trial, step.h, report);
   if (active != nullptr) {
@@ -404,13 +408,8 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
 }
 
 NeedleView Simulation::start_view(std::span<const int> nodes) const {
-  std::vector<int> dofs;
-  for (const int node : nodes) {
-    dofs.push_back(2 * node);
-    dofs.push_back(2 * node + 1);
-  }
   const Vec vectors[3] = {state_.u.get(), state_.v.get(), state_.a.get()};
-  const auto g = gather(vectors, dofs);
+  const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeState> states;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
@@ -420,13 +419,8 @@ NeedleView Simulation::start_view(std::span<const int> nodes) const {
 }
 
 TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
-  std::vector<int> dofs;
-  for (const int node : nodes) {
-    dofs.push_back(2 * node);
-    dofs.push_back(2 * node + 1);
-  }
   const Vec vectors[3] = {trial.u, trial.v, trial.reaction};
-  const auto g = gather(vectors, dofs);
+  const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };

@@ -53,8 +53,8 @@ class ExplicitTrial {
     check(VecCopy(velocities_, state_.v.get()));
     const double bound = grown * speed_of(velocities_);
     for (int n = 1; n <= most_steps; ++n) {
-      integrator_.begin(state_, load_.get(), h);
-      integrator_.attempt(held_, false);
+      integrator_.begin(state_, load_.get(), h, held_.dofs);
+      integrator_.attempt({{}, held_.mean, held_.forces}, false);
       integrator_.accept();
       if (n % steps_a_look == 0 && !(speed_of(state_.v.get()) <= bound)) return true;
     }
@@ -170,8 +170,9 @@ EnergyGrowth energy_growth(TissueOperator& tissue,
   const double start = kinetic_energy(tissue, state.v.get(), work.get());
   EnergyGrowth growth;
   for (int n = 0; n < n_steps; ++n) {
-    integrator.begin(state, load.get(), h);
-    integrator.attempt(constraints, false);
+    integrator.begin(state, load.get(), h, constraints.dofs);
+    integrator.attempt({{}, constraints.mean, constraints.forces}, false);
+    integrator.finish();
     integrator.accept();
     growth.last = (kinetic_energy(tissue, state.v.get(), work.get()) +
                    strain_energy(tissue, state.u.get(), work.get())) /

@@ -91,7 +91,7 @@ class Block {
   void step(double h) {
     const NeedleStep motion = needle_.motion().next(h);
     needle_.start_step(body_.mesh, motion);
-    integrator_->begin(state_, load_.get(), motion.h);
+    integrator_->begin(state_, load_.get(), motion.h, {});
     for (;;) {
       while (needle_.wants_edit())
         apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
@@ -101,6 +101,7 @@ class Block {
       needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), view, 0);
       break;
     }
+    integrator_->finish();
     integrator_->accept();
     const Vec vectors[1] = {state_.u.get()};
     const int dofs[1] = {dof_};

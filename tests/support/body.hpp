@@ -143,8 +143,9 @@ inline void step(TimeIntegrator& integrator,
                  Vec load,
                  double h,
                  const ConstraintSet& constraints) {
-  integrator.begin(state, load, h);
-  integrator.attempt(constraints, false);
+  integrator.begin(state, load, h, constraints.dofs);
+  integrator.attempt({{}, constraints.mean, constraints.forces}, false);
+  integrator.finish();
   integrator.accept();
 }
 

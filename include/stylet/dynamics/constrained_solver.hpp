@@ -9,8 +9,10 @@
 #pragma once
 
 #include "stylet/dynamics/constraint_set.hpp"
+#include "stylet/dynamics/factor.hpp"
 #include "stylet/petsc/owned.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,14 +44,12 @@ class ConstrainedSolver {
 
   /// The next solve factors again (a new time step, a new operator).
   void forget() { stale_ = true; }
-  [[nodiscard]] int n_set_ups() const { return n_set_ups_; }
+  [[nodiscard]] int n_set_ups() const { return factor_ ? factor_->n_set_ups() : 0; }
 
  private:
   static PetscErrorCode multiply(Mat shell, Vec x, Vec y);
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   void adopt(Mat a, Vec like);
-  void choose_factor(PetscInt n_dofs);
-  void factor();
   int run(Vec rhs, Vec x, const char* what);
   void project(Vec x) const;
 
@@ -59,8 +59,7 @@ class ConstrainedSolver {
   PetscObjectId a_id_ = 0;
   std::vector<PetscInt> prescribed_;  ///< owned local indices
   OwnedMat shell_;
-  OwnedMat eliminated_;
-  OwnedPc inner_;
+  std::optional<Factor> factor_;
   OwnedKsp ksp_;
   OwnedVec rhs_;
   OwnedVec work_;
@@ -68,7 +67,6 @@ class ConstrainedSolver {
   OwnedVec weights_;
   OwnedVec response_;
   bool stale_ = true;
-  int n_set_ups_ = 0;
 };
 
 }  // namespace stylet

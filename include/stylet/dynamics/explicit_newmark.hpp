@@ -22,8 +22,10 @@ class ExplicitNewmark final : public TimeIntegrator {
   /// Collective. Needs a lumped tissue operator.
   ExplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
 
-  void begin(State& state, Vec load, double h) override;
+  void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
+  void watch(std::span<const int>) override {}
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
+  Trial finish() override { return trial_; }
   void accept() override;
   /// From the element bound, times the safety factor.
   [[nodiscard]] double stable_step() const override;
@@ -50,7 +52,9 @@ class ExplicitNewmark final : public TimeIntegrator {
   Vec load_ = nullptr;
   double h_ = 0;
   bool fresh_ = false;
-  const ConstraintSet* constraints_ = nullptr;
+  std::span<const PrescribedDof> held_;
+  std::vector<PrescribedDof> dofs_;  ///< held ones and the needle's
+  Trial trial_;
   std::vector<FreeValue> overridden_;
   OwnedVec u_;
   OwnedVec v_;

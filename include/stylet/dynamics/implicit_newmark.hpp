@@ -17,8 +17,12 @@
 #pragma once
 
 #include "stylet/dynamics/constrained_solver.hpp"
+#include "stylet/dynamics/near_field.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
+
+#include <optional>
+#include <vector>
 
 namespace stylet {
 
@@ -37,32 +41,58 @@ class ImplicitNewmark final : public TimeIntegrator {
   /// The tissue is lent. Quasi-static if the method says so.
   ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters);
 
-  void begin(State& state, Vec load, double h) override;
+  void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
+  void watch(std::span<const int> nodes) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
+  Trial finish() override;
   void accept() override;
   [[nodiscard]] double stable_step() const override;
-  void touched(const Mesh&, std::span<const int>) override {}
+  void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
-  [[nodiscard]] int n_set_ups() const { return solver_.n_set_ups(); }
+  [[nodiscard]] int n_set_ups() const { return near_ ? near_->n_set_ups() : solver_->n_set_ups(); }
 
  private:
   void predict();
+  void predict_edited();
+  void refresh_near();
+  void hold();
+  [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
+  Trial attempt_near(const ConstraintSet& constraints);
+  Trial attempt_whole(const ConstraintSet& constraints, bool edited);
+  void residual();
+  void refine();
+  [[nodiscard]] double speed() const { return k_.g1 / (k_.c1 * h_); }  ///< v1 = v_guess + speed x
 
   TissueOperator& tissue_;
   bool inertia_;
   StepCoefficients k_;
-  ConstrainedSolver solver_;
+  std::optional<NearField> near_;            ///< with a direct factor
+  std::optional<ConstrainedSolver> solver_;  ///< with any other PC
   State* state_ = nullptr;
   Vec load_ = nullptr;
   double h_ = 0;
   double operator_h_ = 0;
-  OwnedVec u_;  ///< predictor, then displacement of the trial
+  std::vector<PrescribedDof> held_;
+  bool held_move_ = false;        ///< some held dof has an increment
+  std::vector<int> edited_;       ///< nodes whose rows changed since the last trial; ascending
+  std::vector<int> surrounding_;  ///< what they couple to
+  // Of the near dofs, in their order.
+  std::vector<double> u_near_;  ///< predictors
+  std::vector<double> v_near_;
+  std::vector<double> change_;  ///< of the right-hand side by edits since `begin`
+  std::vector<double> extra_;   ///< change and the forces of the last trial
+  std::vector<NearField::Given> given_;
+  std::vector<NearField::Given> weights_;
+  NearField::Solution solution_;
+  Trial trial_;
+  OwnedVec u_;  ///< displacement of the trial
   OwnedVec v_;
   OwnedVec u_guess_;  ///< predictor of the step
   OwnedVec v_guess_;
   OwnedVec increment_;  ///< u1 - predictor = c1 h^2 a1, the unknown
+  OwnedVec held_increment_;
   OwnedVec rhs_;
-  OwnedVec rhs_base_;
+  OwnedVec rhs_base_;  ///< at `begin`, less what increments of held dofs take
   OwnedVec reaction_;
   OwnedVec work_;
 };

@@ -16,6 +16,9 @@ struct State {
   OwnedVec a;
 };
 
+/// Both dofs of each node, in the order of the nodes.
+[[nodiscard]] std::vector<int> dofs_of(std::span<const int> nodes);
+
 /// Collective. Values of the given dofs of each vector, on every rank with the same bits:
 /// result[vector][i] belongs to dofs[i].
 [[nodiscard]] std::vector<std::vector<double>> gather(std::span<const Vec> vectors,

@@ -26,21 +26,28 @@ class TimeIntegrator {
   virtual ~TimeIntegrator() = default;
 
   /// Collective. Starts a step of length h from `state`, under the external forces `load` at its end
-  /// (N). Both are lent until `accept`.
-  virtual void begin(State& state, Vec load, double h) = 0;
+  /// (N). held: what holds the tissue apart from the needle. All are lent until `accept`; which dofs
+  /// are held must not change from step to step, their values may.
+  virtual void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) = 0;
 
-  /// Collective. The end of the step under these constraints, from the state as it is now (an edit
-  /// may have changed it since the last trial: `edited`). Throws NumericalError if a solver did not
-  /// converge.
+  /// Collective. The next trials must hold the values of these nodes, whatever their constraints.
+  virtual void watch(std::span<const int> nodes) = 0;
+
+  /// Collective. The end of the step under these constraints of dofs that are not held, from the
+  /// state as it is now (an edit may have changed it since the last trial: `edited`). What it returns
+  /// holds at watched and constrained dofs. Throws NumericalError if there is no answer.
   virtual Trial attempt(const ConstraintSet& constraints, bool edited) = 0;
 
-  /// Collective. The last trial becomes the state.
+  /// Collective. The last trial at all dofs.
+  virtual Trial finish() = 0;
+
+  /// Collective, after `finish`. The last trial becomes the state.
   virtual void accept() = 0;
 
   /// The largest step that is stable now (s); infinity if unconditionally stable.
   [[nodiscard]] virtual double stable_step() const = 0;
 
-  /// Tells which cells changed, for the stable step.
+  /// Tells which cells changed, after the tissue's update.
   virtual void touched(const Mesh& mesh, std::span<const int> cells) = 0;
 
   /// True if positions at the end of a step do not feel the forces of its end (central difference):

@@ -52,6 +52,11 @@ class TissueOperator {
   /// by make_tangent. Returns true if the pattern had to be made anew.
   bool update(const Mesh& mesh, std::span<const int> touched_cells);
 
+  /// Nodes whose rows `update` rebuilds for these cells; ascending, of all ranks.
+  [[nodiscard]] std::vector<int> rows_of(const Mesh& mesh, std::span<const int> cells) const;
+  /// Nodes that rows of these nodes couple to; ascending.
+  [[nodiscard]] std::vector<int> coupled(const Mesh& mesh, std::span<const int> nodes) const;
+
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
   [[nodiscard]] Mat stiffness() const { return stiffness_.get(); }
   /// Consistent mass, or null if lumped.

@@ -109,7 +109,7 @@ class Simulation {
   void apply(const NeedleEdits& edits, bool repair);
   [[nodiscard]] NeedleView start_view(std::span<const int> nodes) const;
   [[nodiscard]] TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
-  [[nodiscard]] ConstraintSet constraints(const Needle* active) const;
+  [[nodiscard]] ConstraintSet needle_constraints(const Needle* active) const;
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
   void accept(const Trial& trial, double h, const NeedleStepReport& report);

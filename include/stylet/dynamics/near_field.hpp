@@ -1,0 +1,93 @@
+// A x = b condensed to the dofs near the needle, exactly (static condensation).
+//
+// A0 is the operator when it was factored, with the supports eliminated; A = A0 + E on the near dofs
+// D: those of nodes that an edit has touched since, and those that the needle holds. With G the
+// block D x D of A0^-1 and S = G^-1,
+//
+//   (S + E) x_D = S y_D + f_D,   y = A0^-1 b,   x = y + A0^-1 I_D S (x_D - y_D)
+//
+// f_D: forces on near dofs, changes of b after `load`, and what prescribed dofs and the mean
+// condition need. So a step costs one solve before its trials and one after them; a trial is dense
+// algebra on D. D only grows, by solves for columns of G, until it is worth factoring anew. All
+// ranks hold the dense matrices and compute the same.
+#pragma once
+
+#include "stylet/dynamics/constraint_set.hpp"
+#include "stylet/dynamics/factor.hpp"
+
+#include <span>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+namespace stylet {
+
+class NearField {
+ public:
+  /// Collective.
+  NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), factor_(comm, n_dofs) {}
+
+  /// Collective. New factor with these dofs eliminated (of all ranks); no near dofs.
+  void factor(Mat a, std::span<const PrescribedDof> held);
+  /// The next `begin` of its user must factor again.
+  void forget() { stale_ = true; }
+  /// True if there is no factor, or so many near dofs were `changed` that a new one pays.
+  [[nodiscard]] bool wants_factor() const;
+  [[nodiscard]] int n_set_ups() const { return factor_.n_set_ups(); }
+
+  [[nodiscard]] bool eliminated(int dof) const { return held_.contains(dof); }
+  /// Near dofs in the order in which they came.
+  [[nodiscard]] const std::vector<int>& dofs() const { return dofs_; }
+  [[nodiscard]] std::size_t at(int dof) const { return index_.at(dof); }
+
+  /// Collective. Makes these dofs near; eliminated ones and those that are near are passed over.
+  void include(std::span<const int> dofs);
+  /// Collective. Rows and columns of these dofs differ from the factor's, among each other only.
+  void changed(Mat a, std::span<const int> dofs);
+  /// Collective. b: zero at eliminated dofs.
+  void load(Vec b);
+
+  struct Given {
+    std::size_t at;
+    double value;
+  };
+  struct Solution {
+    std::vector<double> x;         ///< of the near dofs
+    std::vector<double> reaction;  ///< A x - b - lambda w at given dofs, zero elsewhere
+    double lambda = 0;
+  };
+  /// extra: added to b at the near dofs. weights: of near dofs, or empty; value: of their condition.
+  /// Throws NumericalError if it cannot be met.
+  Solution solve(std::span<const double> extra,
+                 std::span<const Given> given,
+                 std::span<const Given> weights,
+                 double value);
+  /// Collective. The whole x of a solution; work: overwritten.
+  void expand(const Solution& solution, Vec x, Vec work) const;
+
+ private:
+  void grow(std::span<const int> dofs);
+  void refactor_dense(const std::vector<bool>& masked);
+  void substitute(std::vector<double>& x) const;
+  [[nodiscard]] std::size_t size() const { return dofs_.size(); }
+
+  MPI_Comm comm_;
+  Factor factor_;
+  bool stale_ = true;
+  std::unordered_set<int> held_;
+  std::vector<int> dofs_;
+  std::unordered_map<int, std::size_t> index_;
+  std::size_t n_changed_ = 0;
+  std::vector<bool> is_changed_;
+  // Column-major, leading dimension size().
+  std::vector<double> s_;
+  std::vector<double> k_;  ///< S + E
+  std::vector<double> l_;  ///< Cholesky factor of k_ with given dofs masked
+  std::vector<bool> mask_;
+  std::size_t valid_ = 0;  ///< leading rows of l_ that hold
+  OwnedVec y_;
+  std::vector<double> y_near_;
+  std::vector<double> s_y_;
+};
+
+}  // namespace stylet
