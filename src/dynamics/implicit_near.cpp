@@ -1,6 +1,5 @@
 // Steps of ImplicitNewmark in the near field.
 #include "stylet/base/errors.hpp"
-#include "stylet/base/text.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
@@ -8,8 +7,6 @@
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace stylet {
 
@@ -175,24 +172,8 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
   return {u_.get(), v_.get(), reaction_.get(), solution_.lambda, 0};
 }
 
-// Writes A x - b, less the forces of needle and condition, into work_.
-void ImplicitNewmark::residual() {
-  check(MatMult(tissue_.tangent_matrix(), increment_.get(), work_.get()));
-  check(VecAXPY(work_.get(), -1, rhs_.get()));
-  Entries r(work_.get());
-  for (std::size_t i = 0; i < near_->dofs().size(); ++i) {
-    const int dof = near_->dofs()[i];
-    if (r.owns(dof)) r[dof] -= solution_.reaction[i];
-  }
-  for (const auto& [at, weight] : weights_) {
-    const int dof = near_->dofs()[at];
-    if (r.owns(dof)) r[dof] -= solution_.lambda * weight;
-  }
-}
-
-Trial ImplicitNewmark::finish() {
+Trial ImplicitNewmark::finish(bool) {
   if (!near_) return trial_;
-  near_->expand(solution_, increment_.get(), work_.get());
   check(VecCopy(rhs_base_.get(), rhs_.get()));
   {
     Entries rhs(rhs_.get());
@@ -201,7 +182,8 @@ Trial ImplicitNewmark::finish() {
       if (rhs.owns(dof)) rhs[dof] += extra_[i];
     }
   }
-  refine();
+  near_->complete(tissue_.tangent_matrix(), rhs_.get(), given_, weights_, solution_,
+                  increment_.get(), work_.get());
   check(VecSet(reaction_.get(), 0));
   {
     Entries reaction(reaction_.get());
@@ -219,49 +201,6 @@ Trial ImplicitNewmark::finish() {
   check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
   trial_.lambda = solution_.lambda;
   return trial_;
-}
-
-// Iterative refinement: the factor is of an older operator and condensed matrices have been updated
-// many times, so what they leave is solved for again. work_ holds the residual at its end.
-void ImplicitNewmark::refine() {
-  constexpr double wanted = 1e-10;  // of the largest nodal force
-  constexpr double allowed = 1e-8;
-  constexpr int most_rounds = 6;
-  PetscReal scale = 0;
-  check(VecNorm(rhs_.get(), NORM_INFINITY, &scale));
-  for (const double force : solution_.reaction) scale = std::max(scale, std::abs(force));
-  scale = std::max(scale, std::abs(solution_.lambda));
-  // Round-off of numbers that underflow is not relative to them.
-  constexpr double smallest =
-      std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-  if (scale < smallest) scale = 1;
-  std::vector<NearField::Given> still = given_;
-  for (auto& g : still) g.value = 0;
-  double last = std::numeric_limits<double>::infinity();
-  for (int round = 0;; ++round) {
-    residual();
-    check(VecCopy(work_.get(), v_.get()));
-    for (const auto& c : held_) set_owned(v_.get(), c.dof, 0);
-    PetscReal size = 0;
-    check(VecNorm(v_.get(), NORM_INFINITY, &size));
-    if (size <= wanted * scale) return;
-    if (round == most_rounds || !(size < 0.5 * last)) {
-      if (size <= allowed * scale) return;
-      throw NumericalError("the step's forces do not balance: " + exact(size) + " N of " +
-                           exact(scale) + " N are left");
-    }
-    last = size;
-    check(VecScale(v_.get(), -1));
-    near_->load(v_.get());
-    const std::vector<double> none(near_->dofs().size(), 0.0);
-    const auto more = near_->solve(none, still, weights_, 0);
-    near_->expand(more, v_.get(), work_.get());
-    check(VecAXPY(increment_.get(), 1, v_.get()));
-    solution_.lambda += more.lambda;
-    for (std::size_t i = 0; i < more.reaction.size(); ++i) {
-      solution_.reaction[i] += more.reaction[i];
-    }
-  }
 }
 
 }  // namespace stylet

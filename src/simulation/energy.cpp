@@ -116,8 +116,17 @@ void EnergyLedger::edited(const TissueOperator& tissue, const State& state) {
 
 void EnergyLedger::weigh(const TissueOperator& tissue, const State& state) {
   if (unchecked_ == 0) return;
-  unchecked_ = 0;
   measure(tissue, state);
+  compare();
+}
+
+void EnergyLedger::weigh(double strain) {
+  energies_.strain = strain;
+  compare();
+}
+
+void EnergyLedger::compare() {
+  unchecked_ = 0;
   const double mechanical = energies_.kinetic + energies_.strain;
   const double supplied = energies_.external + energies_.edits - energies_.dissipated;
   largest_ = std::max({largest_, std::abs(energies_.external), energies_.dissipated});

@@ -200,7 +200,7 @@ void Recorder::record(const Simulation& simulation, const StepRecord& step) {
 }
 
 void Recorder::finish(const Simulation& simulation) {
-  if (snapshots_ && last_snapshot_ != simulation.state().t) snapshot(simulation);
+  if (snapshots_ && last_snapshot_ != simulation.time()) snapshot(simulation);
   if (snapshots_) snapshots_->close();
   if (history_) history_->close();
 }
@@ -211,7 +211,7 @@ void Recorder::snapshot(const Simulation& simulation) {
   const Mesh& mesh = simulation.mesh();
   const Rotation turn = simulation.rotation();
   const auto& numbered = simulation.numbered();
-  const double t = simulation.state().t;
+  const double t = simulation.time();
   const double interval = *simulation.scene().output.snapshots;
   constexpr double round_off = 1e-9;
   next_snapshot_ = (std::floor(t / interval * (1 + round_off)) + 1) * interval;
@@ -295,7 +295,7 @@ ordered_json summarise(MPI_Comm comm,
   ordered_json summary;
   summary["status"] = status;
   summary["scene"] = scene.file;
-  summary["time"] = simulation.state().t;
+  summary["time"] = simulation.time();
   summary["seeds"] = ordered_json::array();
   std::vector<EmbeddedPoint> places;
   for (const auto& seed : simulation.seeds()) places.push_back(seed.place);

@@ -5,6 +5,7 @@
 #include "stylet/base/text.hpp"
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
+#include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
@@ -76,7 +77,11 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     integrator_ = std::make_unique<ExplicitNewmark>(*tissue_, mesh(), scene_.time);
     counts_.stable_step = integrator_->stable_step();
   } else {
-    integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
+    if (scene_.time.method == TimeMethod::quasi_static && Factor::exact()) {
+      integrator_ = std::make_unique<QuasiStatic>(*tissue_);
+    } else {
+      integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
+    }
   }
   base_ = conditions_.prescribed(0);
   if (scene_.time.method == TimeMethod::quasi_static) check_held(scene_, mesh(), base_);
@@ -279,7 +284,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
                            " solves; take a smaller time.step");
     }
   }
-  trial = integrator_->finish();
+  trial = integrator_->finish(active == nullptr || conditions_.has_load() ||
+                              !scene_.prescribed.empty() || ends_settled);
   if (active != nullptr) {
     report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial), trial.lambda,
                             ledger_.end_weight());
@@ -334,7 +340,10 @@ double Simulation::prescribed_work(const Trial& trial) const {
 }
 
 void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
-  if (edited_) ledger_.edited(*tissue_, state_);
+  const auto strain = integrator_->strain_energies();
+  if (edited_) {
+    strain ? ledger_.edited(strain->edits) : ledger_.edited(*tissue_, state_);
+  }
   edited_ = false;
   const double external = report.work + (reaction_ ? prescribed_work(trial) : 0);
   ledger_.add(*tissue_, state_, trial, h, last_load_.get(), last_load_ ? load_.get() : nullptr,
@@ -342,7 +351,11 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
   if (reaction_) check(VecCopy(trial.reaction, reaction_.get()));
   integrator_->accept();
   if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
-  if (ledger_.due()) ledger_.weigh(*tissue_, state_);
+  if (strain) {
+    ledger_.weigh(strain->end);
+  } else if (ledger_.due()) {
+    ledger_.weigh(*tissue_, state_);
+  }
 }
 
 bool Simulation::edit_for_needle() {
@@ -408,6 +421,7 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
 }
 
 NeedleView Simulation::start_view(std::span<const int> nodes) const {
+  integrator_->watch(nodes);
   const Vec vectors[3] = {state_.u.get(), state_.v.get(), state_.a.get()};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeState> states;
@@ -443,6 +457,8 @@ void Simulation::count_deformed_inversions() {
 }
 
 std::vector<WorldPoint> Simulation::world(std::span<const EmbeddedPoint> points) const {
+  if (points.empty()) return {};
+  integrator_->complete();
   std::vector<int> dofs;
   for (const auto& point : points) {
     for (const int node : mesh().cell(point.cell)) {

@@ -39,7 +39,7 @@ Vector2 value_at(const FieldSample& sample, const Mesh& mesh, const EmbeddedPoin
 
 FieldSample field_now(const Simulation& simulation) {
   FieldSample sample;
-  sample.time = simulation.state().t;
+  sample.time = simulation.time();
   sample.coordinates = simulation.mesh().data().coordinates;
   sample.cells = simulation.mesh().data().cells;
   sample.u = gather_all(simulation.state().u.get());

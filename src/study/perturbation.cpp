@@ -172,7 +172,7 @@ EnergyGrowth energy_growth(TissueOperator& tissue,
   for (int n = 0; n < n_steps; ++n) {
     integrator.begin(state, load.get(), h, constraints.dofs);
     integrator.attempt({{}, constraints.mean, constraints.forces}, false);
-    integrator.finish();
+    integrator.finish(true);
     integrator.accept();
     growth.last = (kinetic_energy(tissue, state.v.get(), work.get()) +
                    strain_energy(tissue, state.u.get(), work.get())) /

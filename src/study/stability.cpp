@@ -126,7 +126,7 @@ class Study {
     std::vector<int> all(static_cast<std::size_t>(mesh.n_cells()));
     std::iota(all.begin(), all.end(), 0);
     ExplicitLimit limit;
-    limit.time = insertion_.simulation().state().t;
+    limit.time = insertion_.simulation().time();
     limit.tip_depth = insertion_.depth();
     limit.worst_quality = mesh.worst_quality(all);
     limit.smallest_height = smallest_height(mesh);

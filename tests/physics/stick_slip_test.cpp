@@ -101,7 +101,7 @@ class Block {
       needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), view, 0);
       break;
     }
-    integrator_->finish();
+    integrator_->finish(true);
     integrator_->accept();
     const Vec vectors[1] = {state_.u.get()};
     const int dofs[1] = {dof_};

@@ -145,7 +145,7 @@ inline void step(TimeIntegrator& integrator,
                  const ConstraintSet& constraints) {
   integrator.begin(state, load, h, constraints.dofs);
   integrator.attempt({{}, constraints.mean, constraints.forces}, false);
-  integrator.finish();
+  integrator.finish(true);
   integrator.accept();
 }
 

@@ -25,7 +25,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int>) override {}
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
-  Trial finish() override { return trial_; }
+  Trial finish(bool) override { return trial_; }
   void accept() override;
   /// From the element bound, times the safety factor.
   [[nodiscard]] double stable_step() const override;

@@ -44,7 +44,7 @@ class ImplicitNewmark final : public TimeIntegrator {
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int> nodes) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
-  Trial finish() override;
+  Trial finish(bool whole) override;
   void accept() override;
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
@@ -59,8 +59,6 @@ class ImplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
   Trial attempt_near(const ConstraintSet& constraints);
   Trial attempt_whole(const ConstraintSet& constraints, bool edited);
-  void residual();
-  void refine();
   [[nodiscard]] double speed() const { return k_.g1 / (k_.c1 * h_); }  ///< v1 = v_guess + speed x
 
   TissueOperator& tissue_;

@@ -38,6 +38,7 @@ class NearField {
   [[nodiscard]] bool eliminated(int dof) const { return held_.contains(dof); }
   /// Near dofs in the order in which they came.
   [[nodiscard]] const std::vector<int>& dofs() const { return dofs_; }
+  [[nodiscard]] bool is_near(int dof) const { return index_.contains(dof); }
   [[nodiscard]] std::size_t at(int dof) const { return index_.at(dof); }
 
   /// Collective. Makes these dofs near; eliminated ones and those that are near are passed over.
@@ -46,6 +47,8 @@ class NearField {
   void changed(Mat a, std::span<const int> dofs);
   /// Collective. b: zero at eliminated dofs.
   void load(Vec b);
+  /// Collective. b = 0.
+  void unload();
 
   struct Given {
     std::size_t at;
@@ -62,11 +65,28 @@ class NearField {
                  std::span<const Given> given,
                  std::span<const Given> weights,
                  double value);
-  /// Collective. The whole x of a solution; work: overwritten.
-  void expand(const Solution& solution, Vec x, Vec work) const;
+  /// Collective. x = A0^-1 times forces on the first near dofs.
+  void respond(std::span<const double> forces, Vec x);
+  /// Collective. The whole x of a solution, and what its forces leave of A x - b: nothing but at
+  /// eliminated dofs. b: with what was `extra`. If the factor left too much the solution is refined,
+  /// and true returned: `load` has to be called anew. Throws NumericalError if that does not help.
+  bool complete(Mat a,
+                Vec b,
+                std::span<const Given> given,
+                std::span<const Given> weights,
+                Solution& solution,
+                Vec x,
+                Vec residual);
+
+  /// A0 and E of x at the near dofs, if b was zero.
+  [[nodiscard]] std::vector<double> factored_forces(std::span<const double> x) const;
+  [[nodiscard]] std::vector<double> changed_forces(std::span<const double> x) const;
+  /// Collective. x' A0 x for an x that is zero but at some near dofs.
+  [[nodiscard]] double factored_square(std::span<const Given> x) const;
 
  private:
   void grow(std::span<const int> dofs);
+  void expand(std::span<const double> x_near, Vec x);
   void refactor_dense(const std::vector<bool>& masked);
   void substitute(std::vector<double>& x) const;
   [[nodiscard]] std::size_t size() const { return dofs_.size(); }
@@ -86,6 +106,8 @@ class NearField {
   std::vector<bool> mask_;
   std::size_t valid_ = 0;  ///< leading rows of l_ that hold
   OwnedVec y_;
+  OwnedVec work_;
+  OwnedVec correction_;
   std::vector<double> y_near_;
   std::vector<double> s_y_;
 };

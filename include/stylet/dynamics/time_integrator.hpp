@@ -5,6 +5,7 @@
 #include "stylet/dynamics/state.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 
+#include <optional>
 #include <span>
 
 namespace stylet {
@@ -38,11 +39,23 @@ class TimeIntegrator {
   /// holds at watched and constrained dofs. Throws NumericalError if there is no answer.
   virtual Trial attempt(const ConstraintSet& constraints, bool edited) = 0;
 
-  /// Collective. The last trial at all dofs.
-  virtual Trial finish() = 0;
+  /// Collective. The last trial at all dofs; at watched ones only if the integrator can postpone the
+  /// rest and `whole` is false.
+  virtual Trial finish(bool whole) = 0;
 
   /// Collective, after `finish`. The last trial becomes the state.
   virtual void accept() = 0;
+
+  /// Collective. Brings the state up to date at all dofs, where steps were not whole.
+  virtual void complete() {}
+
+  /// Strain energies (J) around a step that is not whole, from what is known near the needle: what
+  /// edits before the last trial added, and that of the last trial. None if the step is whole.
+  struct StrainEnergies {
+    double edits = 0;
+    double end = 0;
+  };
+  [[nodiscard]] virtual std::optional<StrainEnergies> strain_energies() { return std::nullopt; }
 
   /// The largest step that is stable now (s); infinity if unconditionally stable.
   [[nodiscard]] virtual double stable_step() const = 0;

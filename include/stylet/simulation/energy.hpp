@@ -35,6 +35,8 @@ class EnergyLedger {
 
   /// Collective, between the last edit of a step and `add`.
   void edited(const TissueOperator& tissue, const State& state);
+  /// The same where it is known what edits added (J).
+  void edited(double change) { energies_.edits += change; }
 
   /// Collective, before the trial is accepted. load0, load1: forces at its start and end (N), or
   /// none; external and dissipated: work by needle and prescribed curves (J).
@@ -54,6 +56,8 @@ class EnergyLedger {
 
   /// Collective, after a step. Throws NumericalError if there is more energy than work was done.
   void weigh(const TissueOperator& tissue, const State& state);
+  /// The same without inertia, where the strain energy is known (J).
+  void weigh(double strain);
 
   /// For states that are changed from outside.
   void stop_checks() { checks_ = false; }
@@ -63,6 +67,7 @@ class EnergyLedger {
   [[nodiscard]] double worst_excess() const { return worst_excess_; }
 
  private:
+  void compare();
   void measure(const TissueOperator& tissue, const State& state);
 
   bool inertia_;

@@ -69,9 +69,15 @@ class Simulation {
   [[nodiscard]] const NumberedMesh& numbered() const { return numbered_; }
   [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
   [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
-  [[nodiscard]] const State& state() const { return state_; }
-  /// To disturb it: the energy is not checked from then on.
+  [[nodiscard]] double time() const { return state_.t; }
+  /// Collective.
+  [[nodiscard]] const State& state() const {
+    integrator_->complete();
+    return state_;
+  }
+  /// Collective. To disturb it: the energy is not checked from then on.
   [[nodiscard]] State& state() {
+    integrator_->complete();
     ledger_.stop_checks();
     return state_;
   }

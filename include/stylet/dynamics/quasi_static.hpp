@@ -1,0 +1,74 @@
+// Steps without inertia: K u1 = f1, v1 = (u1 - u0)/h.
+//
+// Between edits the tissue is linear and remembers nothing, so with the loads of `begin` solved for
+// once, a step is dense algebra on the dofs near the needle (near_field.hpp): its cost does not
+// depend on the mesh. Where nothing else asks for the whole field it is left out, and solved for
+// when a node comes near, when the operator is factored anew, and when somebody looks.
+#pragma once
+
+#include "stylet/dynamics/near_field.hpp"
+#include "stylet/dynamics/time_integrator.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace stylet {
+
+class QuasiStatic final : public TimeIntegrator {
+ public:
+  /// The tissue is lent. Needs a direct factor (Factor::exact).
+  explicit QuasiStatic(TissueOperator& tissue);
+
+  void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
+  void watch(std::span<const int> nodes) override;
+  Trial attempt(const ConstraintSet& constraints, bool edited) override;
+  Trial finish(bool whole) override;
+  void accept() override;
+  void complete() override;
+  [[nodiscard]] std::optional<StrainEnergies> strain_energies() override;
+  [[nodiscard]] double stable_step() const override;
+  void touched(const Mesh& mesh, std::span<const int> cells) override;
+  [[nodiscard]] bool decides_by_velocity() const override { return false; }
+  [[nodiscard]] int n_set_ups() const { return near_.n_set_ups(); }
+
+ private:
+  void factor();
+  void load_tissue();
+  void take_edits();
+  void make_near(std::span<const int> dofs);
+
+  TissueOperator& tissue_;
+  NearField near_;
+  State* state_ = nullptr;
+  Vec load_ = nullptr;
+  double h_ = 0;
+  std::vector<PrescribedDof> held_;
+  bool loaded_ = false;        ///< load or displacements of held dofs are not zero
+  bool fresh_ = true;          ///< the near field has not solved for the present load
+  std::vector<int> edited_;    ///< nodes whose rows changed since the last trial; ascending
+  std::vector<double> start_;  ///< displacement of the near dofs at the start of the step, edited
+  std::vector<double> extra_;
+  std::vector<NearField::Given> given_;
+  std::vector<NearField::Given> weights_;
+  NearField::Solution solution_;
+  bool whole_step_ = true;
+
+  // Of the last accepted trial, by near dof; those that came later follow with what they had.
+  bool whole_ = true;        ///< the state is up to date at all dofs
+  bool start_whole_ = true;  ///< it was so before that step too
+  double accepted_h_ = 0;
+  std::vector<double> accepted_;     ///< displacement
+  std::vector<double> pushed_;       ///< A0 u: zero at later dofs
+  std::vector<double> last_pushed_;  ///< of the trial before
+  std::vector<int> forced_;          ///< dofs that carried a force
+  double changed_energy_ = 0;        ///< u' E u / 2 (J)
+  Trial trial_;
+  OwnedVec u_;
+  OwnedVec v_;
+  OwnedVec reaction_;
+  OwnedVec rhs_;
+  OwnedVec work_;
+  OwnedVec held_u_;
+};
+
+}  // namespace stylet

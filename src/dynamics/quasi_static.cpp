@@ -1,0 +1,306 @@
+#include "stylet/dynamics/quasi_static.hpp"
+
+#include "stylet/base/sorted.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+
+namespace stylet {
+
+namespace {
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+}  // namespace
+
+QuasiStatic::QuasiStatic(TissueOperator& tissue)
+    : tissue_(tissue), near_(tissue.comm(), tissue.n_dofs()) {
+  for (OwnedVec* vec : {&u_, &v_, &reaction_, &rhs_, &work_, &held_u_}) {
+    *vec = tissue.make_vector();
+    check(VecSet(vec->get(), 0));
+  }
+}
+
+double QuasiStatic::stable_step() const {
+  return std::numeric_limits<double>::infinity();
+}
+
+void QuasiStatic::touched(const Mesh& mesh, std::span<const int> cells) {
+  const auto rows = tissue_.rows_of(mesh, cells);
+  edited_.insert(edited_.end(), rows.begin(), rows.end());
+  sort_unique(edited_);
+}
+
+void QuasiStatic::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
+  state_ = &state;
+  load_ = load;
+  h_ = h;
+  const auto same = [](const PrescribedDof& a, const PrescribedDof& b) {
+    return a.dof == b.dof && a.value == b.value;
+  };
+  if (!std::ranges::equal(held, held_, same)) {
+    fresh_ = true;
+    held_.assign(held.begin(), held.end());
+  }
+  if (near_.wants_factor()) factor();
+  if (!edited_.empty()) take_edits();
+  load_tissue();
+}
+
+// The forces of the last trial stay known by making their dofs near again.
+void QuasiStatic::factor() {
+  complete();
+  std::unordered_map<int, double> force;
+  const auto changed = near_.changed_forces(accepted_);
+  for (const int dof : forced_) {
+    const std::size_t at = near_.at(dof);
+    force[dof] = pushed_[at] + changed[at];
+  }
+  near_.factor(tissue_.stiffness(), held_);
+  edited_.clear();
+  start_.clear();
+  accepted_.clear();
+  pushed_.clear();
+  last_pushed_.clear();
+  changed_energy_ = 0;
+  make_near(forced_);
+  for (const int dof : forced_) pushed_[near_.at(dof)] = force[dof];
+  fresh_ = true;
+}
+
+// Solves for loads, and for displacements of held dofs if they are new.
+void QuasiStatic::load_tissue() {
+  PetscReal size = 0;
+  check(VecNorm(load_, NORM_INFINITY, &size));  // remembered by PETSc while nothing changes
+  if (size == 0 && !fresh_) return;
+  fresh_ = false;
+  {
+    Entries held(held_u_.get());
+    Entries u(u_.get());
+    for (const auto& c : held_) {
+      if (u.owns(c.dof)) u[c.dof] = held[c.dof] = c.value;
+    }
+  }
+  loaded_ = size > 0 || std::ranges::any_of(held_, [](const auto& c) { return c.value != 0; });
+  if (!loaded_) {
+    check(VecSet(rhs_.get(), 0));
+    near_.unload();
+    return;
+  }
+  check(MatMult(tissue_.stiffness(), held_u_.get(), rhs_.get()));
+  check(VecAYPX(rhs_.get(), -1, load_));
+  check(VecCopy(rhs_.get(), work_.get()));
+  {
+    Entries b(work_.get());
+    for (const auto& c : held_) {
+      if (b.owns(c.dof)) b[c.dof] = 0;
+    }
+  }
+  near_.load(work_.get());
+}
+
+void QuasiStatic::make_near(std::span<const int> dofs) {
+  if (std::ranges::all_of(dofs,
+                          [&](int dof) { return near_.is_near(dof) || near_.eliminated(dof); })) {
+    return;
+  }
+  complete();
+  near_.include(dofs);
+  const Vec vectors[1] = {state_->u.get()};
+  const auto values = gather(vectors, std::span(near_.dofs()).subspan(start_.size()))[0];
+  start_.insert(start_.end(), values.begin(), values.end());
+  accepted_.insert(accepted_.end(), values.begin(), values.end());
+  pushed_.resize(start_.size(), 0.0);
+}
+
+void QuasiStatic::watch(std::span<const int> nodes) {
+  // Before the first step the state is whole.
+  if (state_ != nullptr && !near_.wants_factor()) make_near(dofs_of(nodes));
+}
+
+// What edits moved is near; what their elements touch becomes so.
+void QuasiStatic::take_edits() {
+  const std::vector<int> dofs = dofs_of(edited_);
+  make_near(dofs);
+  edited_.clear();
+  near_.changed(tissue_.stiffness(), dofs);
+  const Vec vectors[1] = {state_->u.get()};
+  const auto values = gather(vectors, dofs)[0];
+  for (std::size_t i = 0; i < dofs.size(); ++i) {
+    if (near_.is_near(dofs[i])) start_[near_.at(dofs[i])] = values[i];
+  }
+  if (loaded_) fresh_ = true;
+}
+
+Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
+  if (!edited_.empty()) {
+    take_edits();
+    load_tissue();
+  }
+  std::vector<int> dofs;
+  for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
+  for (const auto& [dof, force] : constraints.forces) dofs.push_back(dof);
+  if (constraints.mean) {
+    for (const auto& [dof, weight] : constraints.mean->weights) dofs.push_back(dof);
+  }
+  make_near(dofs);
+  const std::size_t n = near_.dofs().size();
+  extra_.assign(n, 0.0);
+  for (const auto& [dof, force] : constraints.forces) {
+    if (!near_.eliminated(dof)) extra_[near_.at(dof)] += force;
+  }
+  given_.clear();
+  for (const auto& c : constraints.dofs) {
+    const std::size_t at = near_.at(c.dof);
+    given_.push_back({at, c.velocity ? start_[at] + h_ * c.value : c.value});
+  }
+  weights_.clear();
+  double value = 0;
+  if (constraints.mean) {
+    value = constraints.mean->value;
+    for (const auto& [dof, weight] : constraints.mean->weights) {
+      if (!near_.eliminated(dof)) {
+        weights_.push_back({near_.at(dof), weight});
+        continue;
+      }
+      const auto held = std::ranges::find(held_, dof, &PrescribedDof::dof);
+      value -= weight * held->value;
+    }
+  }
+  solution_ = near_.solve(extra_, given_, weights_, value);
+  {
+    Entries u(u_.get());
+    Entries v(v_.get());
+    Entries reaction(reaction_.get());
+    for (std::size_t i = 0; i < n; ++i) {
+      const int dof = near_.dofs()[i];
+      if (!u.owns(dof)) continue;
+      u[dof] = solution_.x[i];
+      v[dof] = (solution_.x[i] - start_[i]) / h_;
+      reaction[dof] = solution_.reaction[i];
+    }
+  }
+  trial_ = {u_.get(), v_.get(), reaction_.get(), solution_.lambda, 0};
+  return trial_;
+}
+
+Trial QuasiStatic::finish(bool whole) {
+  whole_step_ = whole || loaded_;
+  if (!whole_step_) return trial_;
+  complete();
+  {
+    Entries b(rhs_.get());
+    for (std::size_t i = 0; i < extra_.size(); ++i) {
+      const int dof = near_.dofs()[i];
+      if (b.owns(dof)) b[dof] += extra_[i];
+    }
+  }
+  near_.complete(tissue_.stiffness(), rhs_.get(), given_, weights_, solution_, u_.get(),
+                 work_.get());
+  fresh_ = true;  // of rhs_ and of the near field's solution for it
+  check(VecSet(reaction_.get(), 0));
+  {
+    Entries reaction(reaction_.get());
+    const Values residual(work_.get());
+    for (const auto& c : held_) {
+      if (residual.owns(c.dof)) reaction[c.dof] = residual[c.dof];
+    }
+    for (const auto& g : given_) {
+      const int dof = near_.dofs()[g.at];
+      if (residual.owns(dof)) reaction[dof] = solution_.reaction[g.at];
+    }
+  }
+  if (loaded_) check(VecAXPY(u_.get(), 1, held_u_.get()));
+  check(VecWAXPY(v_.get(), -1, state_->u.get(), u_.get()));
+  check(VecScale(v_.get(), 1 / h_));
+  trial_.lambda = solution_.lambda;
+  return trial_;
+}
+
+// With K = A0 + E and u' = u + d at the start of the step after its edits, the strain energy grew by
+// d' A0 u + d' A0 d / 2 + u' E' u' / 2 - u E u / 2, all of it at near dofs.
+std::optional<TimeIntegrator::StrainEnergies> QuasiStatic::strain_energies() {
+  if (whole_step_) return std::nullopt;
+  StrainEnergies energies;
+  std::vector<NearField::Given> moved;
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    const double d = start_[i] - accepted_[i];
+    if (d == 0) continue;
+    moved.push_back({i, d});
+    energies.edits += d * pushed_[i];
+  }
+  energies.edits += 0.5 * near_.factored_square(moved) +
+                    0.5 * dot(start_, near_.changed_forces(start_)) - changed_energy_;
+  const auto& x = solution_.x;
+  energies.end = 0.5 * (dot(x, near_.factored_forces(x)) + dot(x, near_.changed_forces(x)));
+  return energies;
+}
+
+void QuasiStatic::accept() {
+  start_whole_ = whole_;
+  whole_ = whole_step_;
+  accepted_h_ = h_;
+  if (whole_step_) {
+    check(VecCopy(u_.get(), state_->u.get()));
+    check(VecCopy(v_.get(), state_->v.get()));
+  } else {
+    Entries u(state_->u.get());
+    Entries v(state_->v.get());
+    for (std::size_t i = 0; i < near_.dofs().size(); ++i) {
+      const int dof = near_.dofs()[i];
+      if (!u.owns(dof)) continue;
+      u[dof] = solution_.x[i];
+      v[dof] = (solution_.x[i] - start_[i]) / h_;
+    }
+  }
+  std::swap(last_pushed_, pushed_);
+  pushed_ = near_.factored_forces(solution_.x);
+  changed_energy_ = 0.5 * dot(solution_.x, near_.changed_forces(solution_.x));
+  accepted_ = solution_.x;
+  start_ = solution_.x;
+  forced_.clear();
+  for (const auto& g : given_) forced_.push_back(near_.dofs()[g.at]);
+  for (const auto& w : weights_) forced_.push_back(near_.dofs()[w.at]);
+  for (std::size_t i = 0; i < extra_.size(); ++i) {
+    if (extra_[i] != 0) forced_.push_back(near_.dofs()[i]);
+  }
+  sort_unique(forced_);
+  state_->t += h_;
+}
+
+// The near dofs hold their values already, maybe edited since.
+void QuasiStatic::complete() {
+  if (whole_) return;
+  whole_ = true;
+  const std::size_t n = near_.dofs().size();
+  if (!start_whole_) {
+    near_.respond(last_pushed_, work_.get());
+  } else {
+    check(VecCopy(state_->u.get(), work_.get()));
+  }
+  near_.respond(pushed_, u_.get());
+  check(VecAXPBY(work_.get(), 1 / accepted_h_, -1 / accepted_h_, u_.get()));
+  {
+    Entries u(u_.get());
+    Entries v(work_.get());
+    const Values u_near(state_->u.get());
+    const Values v_near(state_->v.get());
+    for (std::size_t i = 0; i < n; ++i) {
+      const int dof = near_.dofs()[i];
+      if (!u.owns(dof)) continue;
+      u[dof] = u_near[dof];
+      v[dof] = v_near[dof];
+    }
+  }
+  check(VecCopy(u_.get(), state_->u.get()));
+  check(VecCopy(work_.get(), state_->v.get()));
+}
+
+}  // namespace stylet
