@@ -147,9 +147,7 @@ ConstrainedSolver::Result ConstrainedSolver::solve(
     project(response_.get());
     result.iterations += run(unit_.get(), response_.get(), "the tip condition");
     const double compliance = dot(unit_.get(), response_.get());
-    if (!(compliance > 0)) {
-      throw NumericalError("the tip condition cannot be met: every node of the tip is held");
-    }
+    if (!(compliance > 0)) throw_all_held();
     result.lambda = (mean->value - reached) / compliance;
     check(VecAXPY(x, result.lambda, response_.get()));
   }

@@ -187,9 +187,7 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
     if (size_of(tissue_.comm()) > 1) {
       check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
     }
-    if (!(sums[3] > 0)) {
-      throw NumericalError("the tip condition cannot be met: every node of the tip is held");
-    }
+    if (!(sums[3] > 0)) throw_all_held();
     const double steady = -sums[2] / sums[3];
     const double wanted = mean.rate + (mean.value - sums[0]) / h_;
     const double impulse = (wanted - sums[1]) / sums[3];

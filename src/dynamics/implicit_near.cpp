@@ -1,5 +1,4 @@
 // Steps of ImplicitNewmark in the near field.
-#include "stylet/base/errors.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
@@ -154,9 +153,7 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
       const auto u = gather(vectors, one);
       value -= weight * (u[0][0] + u[1][0]);
     }
-    if (weights_.empty()) {
-      throw NumericalError("the tip condition cannot be met: every node of the tip is held");
-    }
+    if (weights_.empty()) throw_all_held();
   }
   solution_ = near_->solve(extra_, given_, weights_, value);
   Entries u(u_.get());

@@ -56,7 +56,7 @@ bool NearField::wants_factor() const {
   PetscInt n = 0;
   check(VecGetSize(y_.get(), &n));
   const auto limit = static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(n)));
-  return n_changed_ > std::clamp(limit, least, most);
+  return changed_.size() > std::clamp(limit, least, most);
 }
 
 void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
@@ -76,7 +76,7 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   stale_ = false;
   dofs_.clear();
   index_.clear();
-  n_changed_ = 0;
+  changed_.clear();
   is_changed_.clear();
   s_.clear();
   k_.clear();
@@ -198,7 +198,7 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
     valid_ = std::min(valid_, row);
     if (!is_changed_[row]) {
       is_changed_[row] = true;
-      ++n_changed_;
+      changed_.push_back(row);
     }
     for (std::size_t j = 0; j < m; ++j) {
       const std::size_t column = index_.at(columns[j]);
@@ -316,9 +316,7 @@ NearField::Solution NearField::solve(std::span<const double> extra,
     substitute(response);
     double compliance = 0;
     for (const auto& [at, weight] : weights) compliance += weight * response[at];
-    if (!(compliance > 0)) {
-      throw NumericalError("the tip condition cannot be met: every node of the tip is held");
-    }
+    if (!(compliance > 0)) throw_all_held();
     solution.lambda = (value - reached) / compliance;
     for (std::size_t i = 0; i < n; ++i) x[i] += solution.lambda * response[i];
   }
@@ -426,10 +424,10 @@ std::vector<double> NearField::factored_forces(std::span<const double> x) const 
 
 std::vector<double> NearField::changed_forces(std::span<const double> x) const {
   std::vector<double> forces(size(), 0.0);
-  for (std::size_t j = 0; j < size(); ++j) {
-    if (!is_changed_[j]) continue;
-    for (std::size_t i = 0; i < size(); ++i) {
-      if (is_changed_[i]) forces[i] += (k_[j * size() + i] - s_[j * size() + i]) * x[j];
+  for (const std::size_t j : changed_) {
+    const std::size_t column = j * size();
+    for (const std::size_t i : changed_) {
+      forces[i] += (k_[column + i] - s_[column + i]) * x[j];
     }
   }
   return forces;

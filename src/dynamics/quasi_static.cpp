@@ -111,7 +111,7 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
                           [&](int dof) { return near_.is_near(dof) || near_.eliminated(dof); })) {
     return;
   }
-  complete();
+  complete_displacement();
   near_.include(dofs);
   const Vec vectors[1] = {state_->u.get()};
   const auto values = gather(vectors, std::span(near_.dofs()).subspan(start_.size()))[0];
@@ -173,6 +173,7 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
       const auto held = std::ranges::find(held_, dof, &PrescribedDof::dof);
       value -= weight * held->value;
     }
+    if (weights_.empty()) throw_all_held();
   }
   solution_ = near_.solve(extra_, given_, weights_, value);
   {
@@ -244,8 +245,7 @@ std::optional<TimeIntegrator::StrainEnergies> QuasiStatic::strain_energies() {
 }
 
 void QuasiStatic::accept() {
-  start_whole_ = whole_;
-  whole_ = whole_step_;
+  whole_u_ = whole_v_ = whole_step_;
   accepted_h_ = h_;
   if (whole_step_) {
     check(VecCopy(u_.get(), state_->u.get()));
@@ -276,31 +276,32 @@ void QuasiStatic::accept() {
 }
 
 // The near dofs hold their values already, maybe edited since.
-void QuasiStatic::complete() {
-  if (whole_) return;
-  whole_ = true;
-  const std::size_t n = near_.dofs().size();
-  if (!start_whole_) {
-    near_.respond(last_pushed_, work_.get());
-  } else {
-    check(VecCopy(state_->u.get(), work_.get()));
-  }
+void QuasiStatic::complete_displacement() {
+  if (whole_u_) return;
+  whole_u_ = true;
   near_.respond(pushed_, u_.get());
-  check(VecAXPBY(work_.get(), 1 / accepted_h_, -1 / accepted_h_, u_.get()));
+  keep_near(state_->u.get(), u_.get());
+}
+
+void QuasiStatic::complete() {
+  complete_displacement();
+  if (whole_v_) return;
+  whole_v_ = true;
+  near_.respond(last_pushed_, work_.get());
+  check(VecAXPBY(work_.get(), 1 / accepted_h_, -1 / accepted_h_, state_->u.get()));
+  keep_near(state_->v.get(), work_.get());
+}
+
+// Copies `from` to a vector of the state, but for the near dofs.
+void QuasiStatic::keep_near(Vec state, Vec from) const {
   {
-    Entries u(u_.get());
-    Entries v(work_.get());
-    const Values u_near(state_->u.get());
-    const Values v_near(state_->v.get());
-    for (std::size_t i = 0; i < n; ++i) {
-      const int dof = near_.dofs()[i];
-      if (!u.owns(dof)) continue;
-      u[dof] = u_near[dof];
-      v[dof] = v_near[dof];
+    Entries values(from);
+    const Values near(state);
+    for (const int dof : near_.dofs()) {
+      if (values.owns(dof)) values[dof] = near[dof];
     }
   }
-  check(VecCopy(u_.get(), state_->u.get()));
-  check(VecCopy(work_.get(), state_->v.get()));
+  check(VecCopy(from, state));
 }
 
 }  // namespace stylet

@@ -421,7 +421,7 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
 }
 
 NeedleView Simulation::start_view(std::span<const int> nodes) const {
-  integrator_->watch(nodes);
+  integrator_->complete_at(nodes);
   const Vec vectors[3] = {state_.u.get(), state_.v.get(), state_.a.get()};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeState> states;

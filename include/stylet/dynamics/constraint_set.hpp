@@ -33,4 +33,7 @@ struct ConstraintSet {
   std::vector<DofValue> forces;  ///< N, on dofs
 };
 
+/// Throws NumericalError: a mean condition whose dofs are all held.
+[[noreturn]] void throw_all_held();
+
 }  // namespace stylet

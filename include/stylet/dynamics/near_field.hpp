@@ -97,7 +97,7 @@ class NearField {
   std::unordered_set<int> held_;
   std::vector<int> dofs_;
   std::unordered_map<int, std::size_t> index_;
-  std::size_t n_changed_ = 0;
+  std::vector<std::size_t> changed_;
   std::vector<bool> is_changed_;
   // Column-major, leading dimension size().
   std::vector<double> s_;

@@ -25,6 +25,7 @@ class QuasiStatic final : public TimeIntegrator {
   Trial finish(bool whole) override;
   void accept() override;
   void complete() override;
+  void complete_at(std::span<const int> nodes) override { watch(nodes); }
   [[nodiscard]] std::optional<StrainEnergies> strain_energies() override;
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
@@ -36,6 +37,8 @@ class QuasiStatic final : public TimeIntegrator {
   void load_tissue();
   void take_edits();
   void make_near(std::span<const int> dofs);
+  void complete_displacement();
+  void keep_near(Vec state, Vec from) const;
 
   TissueOperator& tissue_;
   NearField near_;
@@ -54,8 +57,8 @@ class QuasiStatic final : public TimeIntegrator {
   bool whole_step_ = true;
 
   // Of the last accepted trial, by near dof; those that came later follow with what they had.
-  bool whole_ = true;        ///< the state is up to date at all dofs
-  bool start_whole_ = true;  ///< it was so before that step too
+  bool whole_u_ = true;  ///< displacements of the state are up to date at all dofs
+  bool whole_v_ = true;
   double accepted_h_ = 0;
   std::vector<double> accepted_;     ///< displacement
   std::vector<double> pushed_;       ///< A0 u: zero at later dofs

@@ -48,6 +48,8 @@ class TimeIntegrator {
 
   /// Collective. Brings the state up to date at all dofs, where steps were not whole.
   virtual void complete() {}
+  /// Collective. At these nodes at least.
+  virtual void complete_at(std::span<const int>) {}
 
   /// Strain energies (J) around a step that is not whole, from what is known near the needle: what
   /// edits before the last trial added, and that of the last trial. None if the step is whole.

@@ -1,0 +1,120 @@
+// Tissue condensed to the dofs near the needle against conjugate gradients on all of it, which
+// -ksp_type asks for: the same energies, forces and fields at any time, on any number of ranks.
+#include "stylet/petsc/check.hpp"
+
+#include "support/scenes.hpp"
+#include <gtest/gtest.h>
+
+namespace stylet {
+namespace {
+
+const std::string pierced = R"(
+mesh:
+  rectangle:
+    size: [8 cm, 6 cm]
+    columns: 16
+    rows: 12
+    jitter: 0.1
+    inner_regions: [{name: core, polygon: [[2 cm, 1.5 cm], [4 cm, 1.5 cm], [4 cm, 4.5 cm], [2 cm, 4.5 cm]]}]
+tissue:
+  plane: stress
+  regions:
+    tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.45, density: 1000 kg/m^3}
+    core: {youngs_modulus: 120 kPa, poisson_ratio: 0.45, density: 1000 kg/m^3}
+  damping: {stiffness_factor: 0.05 s, mass_factor: 2 1/s}
+supports: {left: fixed, top: fixed, bottom: fixed}
+needles:
+  - height: 3.1 cm
+    cutting: {cutting_force: 1.7 N, tip_length: 6 mm}
+    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s}
+    motion: [insert: {speed: 2 cm/s, depth: 4 cm}, implant: {}, retract: {speed: 2 cm/s}, settle: {duration: 0.1 s}]
+targets: {seed: [4 cm, 3.1 cm]}
+time: {method: quasi_static, step: 50 ms}
+)";
+
+// Largest entries, so that differences have a scale.
+double size_of_values(const std::vector<double>& values) {
+  double size = 0;
+  for (const double value : values) size = std::max(size, std::abs(value));
+  return size;
+}
+
+struct Way {
+  std::vector<double> numbers;  // of every step: forces (N) and energies (J)
+  std::vector<std::vector<double>> fields;
+  double placement_error = 0;
+};
+
+// Looks at the fields in every `interval`th step only: the near field leaves them out in between.
+Way way_of(const std::vector<std::string>& overrides, bool iterative, int interval) {
+  if (iterative) {
+    check(PetscOptionsSetValue(nullptr, "-ksp_type", "cg"));
+    check(PetscOptionsSetValue(nullptr, "-ksp_rtol", "1e-13"));
+  }
+  Way way;
+  Simulation simulation(MPI_COMM_WORLD, scene_of(pierced, overrides), true);
+  int n = 0;
+  run_to_end(simulation, [&](const StepRecord& record) {
+    const Energies& e = simulation.energies();
+    way.numbers.insert(way.numbers.end(), {record.needle.forces.tip, record.needle.forces.friction,
+                                           e.strain, e.kinetic, e.external, e.edits});
+    if (++n % interval != 0) return;
+    way.fields.push_back(gather_all(simulation.state().u.get()));
+    way.fields.push_back(gather_all(simulation.state().v.get()));
+  });
+  way.placement_error = simulation.placement_errors().at(0);
+  check(PetscOptionsClearValue(nullptr, "-ksp_type"));
+  check(PetscOptionsClearValue(nullptr, "-ksp_rtol"));
+  return way;
+}
+
+class NearFieldScene : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(NearFieldScene, AnswersAsConjugateGradientsOnTheWholeTissueDo) {
+  const Way near = way_of(GetParam(), false, 7);
+  const Way whole = way_of(GetParam(), true, 7);
+  // The tolerance of the iterative solver, times the condition of the operator.
+  constexpr double tolerance = 1e-8;
+  EXPECT_NEAR(near.placement_error, whole.placement_error, tolerance * whole.placement_error);
+  ASSERT_EQ(near.numbers.size(), whole.numbers.size());
+  for (std::size_t k = 0; k < 6; ++k) {
+    double scale = 0;
+    for (std::size_t i = k; i < whole.numbers.size(); i += 6) {
+      scale = std::max(scale, std::abs(whole.numbers[i]));
+    }
+    for (std::size_t i = k; i < whole.numbers.size(); i += 6) {
+      EXPECT_NEAR(near.numbers[i], whole.numbers[i], tolerance * scale) << "number " << k;
+    }
+  }
+  ASSERT_EQ(near.fields.size(), whole.fields.size());
+  ASSERT_GT(near.fields.size(), 4U);
+  for (std::size_t f = 0; f < near.fields.size(); ++f) {
+    const double scale = std::max(size_of_values(whole.fields[f]), 1e-6);
+    double worst = 0;
+    for (std::size_t i = 0; i < near.fields[f].size(); ++i) {
+      worst = std::max(worst, std::abs(near.fields[f][i] - whole.fields[f][i]));
+    }
+    EXPECT_LT(worst, tolerance * scale) << "field " << f;
+  }
+}
+
+// The distance from the needle at which loads and prescribed displacements act makes no difference.
+INSTANTIATE_TEST_SUITE_P(
+    Scenes,
+    NearFieldScene,
+    testing::Values(
+        std::vector<std::string>{},
+        std::vector<std::string>{"tissue.formulation=p1_averaged"},
+        std::vector<std::string>{"loads.traction=[{curve: right, force: [6 N/m, 0 N/m]}]"},
+        std::vector<std::string>{
+            "supports={left: fixed, bottom: fixed}",
+            "prescribed=[{curve: top, displacement: [0 mm, -1 mm], start: 0.2 s, ramp: 0.5 s}]"},
+        std::vector<std::string>{"time.method=implicit", "needles.0.cutting.tip_length=0 mm"},
+        std::vector<std::string>{
+            "time.method=implicit", "tissue.mass=lumped", "supports={left: fixed, bottom: fixed}",
+            "prescribed=[{curve: top, displacement: [0 mm, -1 mm], start: 0.2 s, ramp: 0.5 s}]"},
+        std::vector<std::string>{"time.method=implicit", "time.scheme=generalised_alpha",
+                                 "time.rho_infinity=0.8", "tissue.formulation=p1_averaged"}));
+
+}  // namespace
+}  // namespace stylet
