@@ -1,7 +1,6 @@
 #include "stylet/dynamics/central_difference_ts.hpp"
 
 #include "stylet/petsc/check.hpp"
-#include "stylet/petsc/owned.hpp"
 
 #include <petscversion.h>
 // The only place that knows PETSc's private TS structure; checked for the release it was read from.
@@ -18,9 +17,7 @@ namespace stylet {
 namespace {
 
 struct Data {
-  Acceleration acceleration;
-  Vec a = nullptr;
-  OwnedVec v_half;
+  ExplicitStep step;
 };
 
 Data& data_of(TS ts) {
@@ -29,20 +26,9 @@ Data& data_of(TS ts) {
 
 PetscErrorCode step(TS ts) {
   return guard([&] {
-    Data& d = data_of(ts);
-    const double h = ts->time_step;
-    Vec u = ts->vec_sol;
-    Vec v = ts->vec_dot;
-    check(VecWAXPY(d.v_half.get(), h / 2, d.a, v));
-    check(VecAXPY(u, h, d.v_half.get()));
-    d.acceleration(ts->ptime + h, u, d.v_half.get(), d.a);
-    check(VecWAXPY(v, h / 2, d.a, d.v_half.get()));
-    ts->ptime += h;
+    data_of(ts).step(ts->time_step, ts->vec_sol, ts->vec_dot);
+    ts->ptime += ts->time_step;
   });
-}
-
-PetscErrorCode set_up(TS ts) {
-  return guard([&] { check(VecDuplicate(ts->vec_sol, data_of(ts).v_half.put())); });
 }
 
 PetscErrorCode destroy(TS ts) {
@@ -54,7 +40,6 @@ PetscErrorCode destroy(TS ts) {
 PetscErrorCode create(TS ts) {
   return guard([&] {
     ts->data = new Data;
-    ts->ops->setup = set_up;
     ts->ops->step = step;
     ts->ops->destroy = destroy;
     ts->usessnes = PETSC_FALSE;
@@ -67,9 +52,8 @@ void register_central_difference() {
   check(TSRegister(central_difference_type, create));
 }
 
-void set_acceleration(TS ts, Acceleration acceleration, Vec a) {
-  data_of(ts).acceleration = std::move(acceleration);
-  data_of(ts).a = a;
+void set_step(TS ts, ExplicitStep step) {
+  data_of(ts).step = std::move(step);
 }
 
 }  // namespace stylet

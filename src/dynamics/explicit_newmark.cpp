@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/dynamics/central_difference_ts.hpp"
+#include "stylet/dynamics/row_kernel.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
@@ -25,7 +26,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     : tissue_(tissue),
       safety_(parameters.safety),
       damping_(tissue.damping().value_or(RayleighDamping{})) {
-  for (OwnedVec* vec : {&u_, &v_, &a_, &force_, &work_, &reaction_}) {
+  for (OwnedVec* vec : {&u_, &v_, &a_, &stretched_, &force_, &reaction_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -46,12 +47,10 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   register_central_difference();
   check(TSCreate(tissue.comm(), ts_.put()));
   check(TSSetType(ts_.get(), central_difference_type));
-  check(TS2SetSolution(ts_.get(), u_.get(), v_.get()));
   check(TSSetMaxSteps(ts_.get(), PETSC_MAX_INT - 1));  // PETSC_MAX_INT counts as not set
   check(TSSetMaxTime(ts_.get(), PETSC_MAX_REAL));
   check(TSSetExactFinalTime(ts_.get(), TS_EXACTFINALTIME_STEPOVER));
-  set_acceleration(
-      ts_.get(), [this](double, Vec u, Vec v_half, Vec a) { accelerate(u, v_half, a); }, a_.get());
+  set_step(ts_.get(), [this](double h, Vec u, Vec v) { advance(h, u, v); });
 }
 
 double ExplicitNewmark::stable_step() const {
@@ -78,26 +77,57 @@ void ExplicitNewmark::begin(State& state, Vec load, double h, std::span<const Pr
   fresh_ = true;
 }
 
-void ExplicitNewmark::accelerate(Vec u, Vec v_half, Vec a) {
-  {
-    Entries entries(u);
+void ExplicitNewmark::advance(double h, Vec u, Vec v) {
+  const double stiffness_factor = damping_.stiffness_factor;
+  Mat k = tissue_.stiffness();
+  const bool alone = size_of(tissue_.comm()) == 1;
+  ExplicitArrays x{};
+  const auto lend = [&](auto&& then) {
+    const Values u0(state_->u.get());
+    const Values v0(state_->v.get());
+    const Values a0(state_->a.get());
+    const Values load(load_);
+    const Values mass(tissue_.lumped_mass());
+    Entries u1(u);
+    Entries v1(v);
+    Entries a1(a_.get());
+    Entries stretched(stretched_.get());
+    x = {static_cast<std::size_t>(tissue_.end_dof() - tissue_.first_dof()),
+         u0.data(),
+         v0.data(),
+         a0.data(),
+         u1.data(),
+         v1.data(),
+         a1.data(),
+         stretched.data(),
+         load.data(),
+         mass.data()};
+    then();
+  };
+  lend([&] {
+    predict(x, h, stiffness_factor);
     for (const auto& c : dofs_) {
-      if (!c.velocity && entries.owns(c.dof)) entries[c.dof] = c.value;
+      if (c.velocity || c.dof < tissue_.first_dof() || c.dof >= tissue_.end_dof()) continue;
+      const int i = c.dof - tissue_.first_dof();
+      x.u[i] = c.value;
+      x.stretched[i] = c.value + stiffness_factor * x.v[i];
     }
-  }
-  Vec stretched = u;
-  if (damping_.stiffness_factor != 0) {
-    check(VecWAXPY(work_.get(), damping_.stiffness_factor, v_half, u));
-    stretched = work_.get();
-  }
-  check(MatMult(tissue_.stiffness(), stretched, force_.get()));
-  check(VecAYPX(force_.get(), -1, load_));
-  check(VecPointwiseDivide(a, force_.get(), tissue_.lumped_mass()));
-  // (1 + h/2 c) a = M^-1 (f - K u) - c v_half
-  if (damping_.mass_factor != 0) {
-    check(VecAXPY(a, -damping_.mass_factor, v_half));
-    check(VecScale(a, 1 / (1 + 0.5 * h_ * damping_.mass_factor)));
-  }
+  });
+  if (!alone) check(MatMult(k, stretched_.get(), force_.get()));
+  lend([&] {
+    if (!alone) {
+      accelerate(x, Values(force_.get()).data(), h, damping_.mass_factor);
+      return;
+    }
+    RowMatrix rows{};
+    PetscInt n = 0;
+    PetscBool done = PETSC_FALSE;
+    check(MatGetRowIJ(k, 0, PETSC_FALSE, PETSC_FALSE, &n, &rows.first, &rows.columns, &done));
+    check(MatSeqAIJGetArrayRead(k, &rows.values));
+    accelerate(x, rows, h, damping_.mass_factor);
+    check(MatSeqAIJRestoreArrayRead(k, &rows.values));
+    check(MatRestoreRowIJ(k, 0, PETSC_FALSE, PETSC_FALSE, &n, &rows.first, &rows.columns, &done));
+  });
 }
 
 void ExplicitNewmark::restore() {
@@ -118,9 +148,7 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   dofs_.assign(held_.begin(), held_.end());
   dofs_.insert(dofs_.end(), constraints.dofs.begin(), constraints.dofs.end());
   if (fresh_ || edited) {
-    check(VecCopy(state_->u.get(), u_.get()));
-    check(VecCopy(state_->v.get(), v_.get()));
-    check(VecCopy(state_->a.get(), a_.get()));
+    check(TS2SetSolution(ts_.get(), u_.get(), v_.get()));
     check(TSSetTime(ts_.get(), state_->t));
     check(TSSetTimeStep(ts_.get(), h_));
     check(TSStep(ts_.get()));
@@ -208,9 +236,9 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
 }
 
 void ExplicitNewmark::accept() {
-  check(VecCopy(u_.get(), state_->u.get()));
-  check(VecCopy(v_.get(), state_->v.get()));
-  check(VecCopy(a_.get(), state_->a.get()));
+  std::swap(state_->u, u_);
+  std::swap(state_->v, v_);
+  std::swap(state_->a, a_);
   state_->t += h_;
 }
 

@@ -38,7 +38,7 @@ class ExplicitNewmark final : public TimeIntegrator {
     double v;
     double a;
   };
-  void accelerate(Vec u, Vec v_half, Vec a);
+  void advance(double h, Vec u, Vec v);
   void restore();
   double apply(const ConstraintSet& constraints);
 
@@ -60,7 +60,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   OwnedVec v_;
   OwnedVec a_;
   OwnedVec force_;
-  OwnedVec work_;
+  OwnedVec stretched_;
   OwnedVec reaction_;
 };
 

@@ -20,6 +20,7 @@ class Entries {
   ~Entries() { (void)VecRestoreArray(vec_, &values_); }
   [[nodiscard]] bool owns(int i) const { return i >= begin_ && i < end_; }
   double& operator[](int i) { return values_[i - begin_]; }
+  [[nodiscard]] double* data() { return values_; }
 
  private:
   Vec vec_;
@@ -40,6 +41,7 @@ class Values {
   ~Values() { (void)VecRestoreArrayRead(vec_, &values_); }
   [[nodiscard]] bool owns(int i) const { return i >= begin_ && i < end_; }
   double operator[](int i) const { return values_[i - begin_]; }
+  [[nodiscard]] const double* data() const { return values_; }
 
  private:
   Vec vec_;
