@@ -58,21 +58,18 @@ def draw_limits(steps, ratios, rows):
         depth = [1e3 * row["tip_depth"] for row in own]
         # Mass damping leaves the limit of the undamped tissue: dashes show both.
         line = "--" if "mass" in kind else "-"
-        for name, marker in (("measured_step", "o"), ("element_step", "v")):
+        for name, marker in (("measured_step", "o"), ("predicted_step", "v")):
             label = kind if name == "measured_step" else None
             steps.plot(depth, [1e3 * row[name] for row in own], line, marker=marker, color=colour,
                        markersize=5, label=label)
-        for name, marker in (("spectral_over_measured", "o"), ("element_over_measured", "v")):
+        for name, marker in (("spectral_over_measured", "o"), ("predicted_over_measured", "v")):
             ratios.plot(depth, [row[name] for row in own], line, marker=marker, color=colour,
                         markersize=5)
-    for marker, label in (("o", "measured"), ("v", "element bound")):
+    for marker, label in (("o", "measured"), ("v", "predicted")):
         steps.plot([], [], marker, color=DARK, label=label)
-    for marker, label in (("o", "SLEPc / measured"), ("v", "element bound / measured")):
+    for marker, label in (("o", "SLEPc / measured"), ("v", "predicted / measured")):
         ratios.plot([], [], marker, color=DARK, label=label)
     quality = [row for row in rows if damping_text(row) == kinds[0]]
-    ratios.plot([1e3 * row["tip_depth"] for row in quality],
-                [row["row_sum_over_measured"] for row in quality], "-", marker="s", color="#9d7bb0",
-                markersize=4, label="row sums / measured, no damping")
     ratios.plot([1e3 * row["tip_depth"] for row in quality],
                 [row["worst_quality"] for row in quality], ":", color="grey", label="worst quality")
     steps.set_ylabel("largest stable explicit step (ms)")

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stylet {
 
@@ -30,12 +31,12 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
-  bound_.resize(static_cast<std::size_t>(mesh.n_cells()));
-  for (int c = 0; c < mesh.n_cells(); ++c) {
-    bound_[static_cast<std::size_t>(c)] = tissue.element_bound(mesh, c);
-  }
-  largest_bound_ = *std::ranges::max_element(bound_);
-  const double undamped = safety_ * stylet::stable_step(largest_bound_, 0);
+  root_mass_.resize(static_cast<std::size_t>(mesh.n_nodes()));
+  row_sums_ = MaximumTree(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
+  std::vector<int> all(root_mass_.size());
+  std::iota(all.begin(), all.end(), 0);
+  update_row_sums(all, all);
+  const double undamped = safety_ * stylet::stable_step(largest_row_sum_, 0);
   constexpr double hopeless = 0.02;
   if (stable_step() < hopeless * undamped) {
     throw InputError("key 'tissue.damping.stiffness_factor': " + exact(damping_.stiffness_factor) +
@@ -54,19 +55,50 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
 }
 
 double ExplicitNewmark::stable_step() const {
-  return safety_ * stylet::stable_step(largest_bound_, damping_.stiffness_factor);
+  return safety_ * stylet::stable_step(largest_row_sum_, damping_.stiffness_factor);
 }
 
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
-  bool lowered = false;
-  for (const int c : cells) {
-    double& bound = bound_[static_cast<std::size_t>(c)];
-    const double now = tissue_.element_bound(mesh, c);
-    lowered = lowered || (bound == largest_bound_ && now < bound);
-    bound = now;
-    largest_bound_ = std::max(largest_bound_, now);
+  const auto changed = tissue_.rows_of(mesh, cells);
+  update_row_sums(changed, tissue_.coupled(mesh, changed));
+}
+
+// changed: nodes with a new row or mass; rows: theirs and those that couple to them. Both ascending.
+void ExplicitNewmark::update_row_sums(std::span<const int> changed, std::span<const int> rows) {
+  std::vector<int> dofs;
+  for (const int node : changed) dofs.push_back(2 * node);
+  const Vec vectors[1] = {tissue_.lumped_mass()};
+  const auto masses = gather(vectors, dofs)[0];
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    root_mass_[static_cast<std::size_t>(changed[i])] = 1 / std::sqrt(masses[i]);
   }
-  if (lowered) largest_bound_ = *std::ranges::max_element(bound_);
+  for (const int node : rows) {
+    if (!tissue_.owns(node)) continue;
+    row_sums_.set(static_cast<std::size_t>(node - tissue_.first_dof() / 2), row_sum(node));
+  }
+  largest_row_sum_ = row_sums_.largest();
+  if (size_of(tissue_.comm()) > 1) {
+    check_mpi(
+        MPI_Allreduce(MPI_IN_PLACE, &largest_row_sum_, 1, MPI_DOUBLE, MPI_MAX, tissue_.comm()));
+  }
+}
+
+// The larger of a node's two rows.
+double ExplicitNewmark::row_sum(int node) const {
+  double largest = 0;
+  for (int row = 2 * node; row < 2 * node + 2; ++row) {
+    PetscInt n = 0;
+    const PetscInt* columns = nullptr;
+    const PetscScalar* values = nullptr;
+    check(MatGetRow(tissue_.stiffness(), row, &n, &columns, &values));
+    double sum = 0;
+    for (PetscInt j = 0; j < n; ++j) {
+      sum += std::abs(values[j]) * root_mass_[static_cast<std::size_t>(columns[j] / 2)];
+    }
+    check(MatRestoreRow(tissue_.stiffness(), row, &n, &columns, &values));
+    largest = std::max(largest, sum);
+  }
+  return largest * root_mass_[static_cast<std::size_t>(node)];
 }
 
 void ExplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {

@@ -1,10 +1,8 @@
 #include "stylet/dynamics/near_field.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/base/text.hpp"
 #include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
-#include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -12,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace stylet {
 
@@ -328,96 +325,6 @@ NearField::Solution NearField::solve(std::span<const double> extra,
   return solution;
 }
 
-void NearField::respond(std::span<const double> forces, Vec x) {
-  static const LogEvent event("StyletSolve");
-  const LogScope scope(event);
-  check(VecSet(work_.get(), 0));
-  {
-    Entries entries(work_.get());
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-      if (entries.owns(dofs_[i])) entries[dofs_[i]] = forces[i];
-    }
-  }
-  factor_.apply(work_.get(), x);
-}
-
-void NearField::expand(std::span<const double> x_near, Vec x) {
-  if (size() == 0) {
-    check(VecCopy(y_.get(), x));
-    return;
-  }
-  std::vector<double> difference(x_near.begin(), x_near.end());
-  for (std::size_t i = 0; i < size(); ++i) difference[i] -= y_near_[i];
-  respond(product(s_, difference), x);
-  check(VecAXPY(x, 1, y_.get()));
-}
-
-// Iterative refinement: the factor is of an older operator and the dense matrices have been updated
-// many times, so what they leave is solved for again.
-bool NearField::complete(Mat a,
-                         Vec b,
-                         std::span<const Given> given,
-                         std::span<const Given> weights,
-                         Solution& solution,
-                         Vec x,
-                         Vec residual) {
-  constexpr double wanted = 1e-10;  // of the largest nodal force
-  constexpr double allowed = 1e-8;
-  constexpr int most_rounds = 6;
-  expand(solution.x, x);
-  PetscReal scale = 0;
-  check(VecNorm(b, NORM_INFINITY, &scale));
-  for (const double force : solution.reaction) scale = std::max(scale, std::abs(force));
-  scale = std::max(scale, std::abs(solution.lambda));
-  // Round-off of numbers that underflow is not relative to them.
-  constexpr double smallest =
-      std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
-  if (scale < smallest) scale = 1;
-  std::vector<Given> still(given.begin(), given.end());
-  for (auto& g : still) g.value = 0;
-  double last = std::numeric_limits<double>::infinity();
-  for (int round = 0;; ++round) {
-    check(MatMult(a, x, residual));
-    check(VecAXPY(residual, -1, b));
-    {
-      Entries r(residual);
-      for (std::size_t i = 0; i < size(); ++i) {
-        if (r.owns(dofs_[i])) r[dofs_[i]] -= solution.reaction[i];
-      }
-      for (const auto& [at, weight] : weights) {
-        if (r.owns(dofs_[at])) r[dofs_[at]] -= solution.lambda * weight;
-      }
-    }
-    check(VecCopy(residual, correction_.get()));
-    {
-      Entries r(correction_.get());
-      for (const int dof : held_) {
-        if (r.owns(dof)) r[dof] = 0;
-      }
-    }
-    PetscReal size = 0;
-    check(VecNorm(correction_.get(), NORM_INFINITY, &size));
-    if (size <= wanted * scale) return round > 0;
-    if (round == most_rounds || !(size < 0.5 * last)) {
-      if (size <= allowed * scale) return round > 0;
-      throw NumericalError("the step's forces do not balance: " + exact(size) + " N of " +
-                           exact(scale) + " N are left");
-    }
-    last = size;
-    check(VecScale(correction_.get(), -1));
-    load(correction_.get());
-    const std::vector<double> none(dofs_.size(), 0.0);
-    const Solution more = solve(none, still, weights, 0);
-    expand(more.x, correction_.get());
-    check(VecAXPY(x, 1, correction_.get()));
-    solution.lambda += more.lambda;
-    for (std::size_t i = 0; i < dofs_.size(); ++i) {
-      solution.x[i] += more.x[i];
-      solution.reaction[i] += more.reaction[i];
-    }
-  }
-}
-
 std::vector<double> NearField::factored_forces(std::span<const double> x) const {
   return product(s_, x);
 }
@@ -431,26 +338,6 @@ std::vector<double> NearField::changed_forces(std::span<const double> x) const {
     }
   }
   return forces;
-}
-
-double NearField::factored_square(std::span<const Given> x) const {
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  check(MatGetOwnershipRange(factor_.matrix(), &begin, &end));
-  double sum = 0;
-  for (const auto& row : x) {
-    const PetscInt i = dofs_[row.at];
-    if (i < begin || i >= end) continue;
-    for (const auto& column : x) {
-      PetscScalar entry = 0;
-      check(MatGetValue(factor_.matrix(), i, dofs_[column.at], &entry));
-      sum += row.value * entry * column.value;
-    }
-  }
-  if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_));
-  }
-  return sum;
 }
 
 }  // namespace stylet

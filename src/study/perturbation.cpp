@@ -129,10 +129,10 @@ OwnedVec random_velocities(const TissueOperator& tissue,
   return v;
 }
 
-double measured_limit(TissueOperator& tissue,
-                      const Mesh& mesh,
-                      const ConstraintSet& constraints,
-                      Vec velocities) {
+MeasuredLimit measured_limit(TissueOperator& tissue,
+                             const Mesh& mesh,
+                             const ConstraintSet& constraints,
+                             Vec velocities) {
   ExplicitTrial trial(tissue, mesh, constraints, velocities);
   constexpr double pace = 1.3;
   constexpr double farthest = 1e3;  // from the prediction, as a factor
@@ -152,7 +152,7 @@ double measured_limit(TissueOperator& tissue,
     const double middle = std::sqrt(low * high);
     (trial.grows(middle) ? high : low) = middle;
   }
-  return std::sqrt(low * high);
+  return {predicted, std::sqrt(low * high)};
 }
 
 EnergyGrowth energy_growth(TissueOperator& tissue,

@@ -133,19 +133,18 @@ class Study {
     TissueParameters parameters = scene_.tissue;
     parameters.mass = MassKind::lumped;
     parameters.damping.reset();
-    const auto frequency = largest_frequency(*tissue_at(comm_, original_, mesh, parameters), held);
-    if (result_.dampings.empty()) choose_dampings(frequency.squared);
+    const double squared =
+        largest_frequency_squared(*tissue_at(comm_, original_, mesh, parameters), held);
+    if (result_.dampings.empty()) choose_dampings(squared);
     for (const auto& damping : result_.dampings) {
       parameters.damping = damping;
       const auto tissue = tissue_at(comm_, original_, mesh, parameters);
       const OwnedVec v = random_velocities(*tissue, original_, held);
-      double bound = 0;
-      for (const int c : all) bound = std::max(bound, tissue->element_bound(mesh, c));
       limit.damping = damping;
-      limit.element = stable_step(bound, damping.stiffness_factor);
-      limit.row_sums = stable_step(frequency.row_sums, damping.stiffness_factor);
-      limit.spectral = stable_step(frequency.squared, damping.stiffness_factor);
-      limit.measured = measured_limit(*tissue, mesh, held, v.get());
+      limit.spectral = stable_step(squared, damping.stiffness_factor);
+      const MeasuredLimit found = measured_limit(*tissue, mesh, held, v.get());
+      limit.predicted = found.predicted;
+      limit.measured = found.step;
       result_.limits.push_back(limit);
       show("stable step at " + std::to_string(limit.tip_depth) + " m");
     }

@@ -34,7 +34,7 @@ class Stability(CliTest):
         self.assertEqual(float(limits[0]["tip_depth [m]"]), 0)
         self.assertAlmostEqual(float(limits[-1]["tip_depth [m]"]), 0.04)
         for row in limits:
-            self.assertLess(float(row["element_over_measured"]), 1)
+            self.assertLess(float(row["predicted_over_measured"]), 1)
             self.assertAlmostEqual(float(row["spectral_over_measured"]), 1, delta=0.005)
         for row in self.rows(folder, "stability_implicit.csv"):
             self.assertAlmostEqual(float(row["average_acceleration_last"]), 1, delta=1e-6)

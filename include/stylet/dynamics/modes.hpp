@@ -16,17 +16,9 @@ namespace stylet {
                                                       std::span<const int> held_dofs,
                                                       int n);
 
-/// Squares of angular frequencies, (rad/s)^2.
-struct LargestFrequency {
-  double squared = 0;  ///< largest eigenvalue of M^-1 K, by SLEPc
-  double row_sums =
-      0;  ///< never below it: largest absolute row sum of M^-1/2 K M^-1/2 (Gershgorin)
-};
-
-/// Collective. On the motions that leave the constraints' dofs and mean where they are; the row sums
-/// do not know of the mean, which can only lower the frequency. Needs a lumped operator. SLEPc
-/// options: -eps_*.
-[[nodiscard]] LargestFrequency largest_frequency(const TissueOperator& tissue,
-                                                 const ConstraintSet& constraints);
+/// Collective. Square of the largest angular frequency (rad/s)^2, on the motions that leave the
+/// constraints' dofs and mean where they are. Needs a lumped operator. SLEPc options: -eps_*.
+[[nodiscard]] double largest_frequency_squared(const TissueOperator& tissue,
+                                               const ConstraintSet& constraints);
 
 }  // namespace stylet

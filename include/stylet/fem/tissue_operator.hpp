@@ -92,9 +92,6 @@ class TissueOperator {
   [[nodiscard]] VolumetricState volumetric(const Mesh& mesh,
                                            int cell,
                                            std::span<const double> u) const;
-  /// Largest eigenvalue of the lumped element pair (K_e, M_e), at most 7 % too high, (rad/s)^2. The
-  /// maximum over the cells bounds the largest eigenvalue of M^-1 K, of both formulations.
-  [[nodiscard]] double element_bound(const Mesh& mesh, int cell) const;
 
  private:
   struct CellMaterial {

@@ -33,13 +33,18 @@ namespace stylet {
 /// Bisection ends when the stable and the growing step are this close.
 inline constexpr double limit_accuracy = 1e-3;
 
-/// Collective. The largest step (s) of ExplicitNewmark under which the velocities do not grow, by
+struct MeasuredLimit {
+  double predicted = 0;  ///< stable step of ExplicitNewmark without a safety factor (s)
+  double step = 0;       ///< measured (s)
+};
+
+/// Collective. The largest step of ExplicitNewmark under which the velocities do not grow, by
 /// bisection; needs a lumped operator and homogeneous constraints. Throws NumericalError if there is
 /// none.
-[[nodiscard]] double measured_limit(TissueOperator& tissue,
-                                    const Mesh& mesh,
-                                    const ConstraintSet& constraints,
-                                    Vec velocities);
+[[nodiscard]] MeasuredLimit measured_limit(TissueOperator& tissue,
+                                           const Mesh& mesh,
+                                           const ConstraintSet& constraints,
+                                           Vec velocities);
 
 /// Kinetic plus strain energy over that of the start.
 struct EnergyGrowth {

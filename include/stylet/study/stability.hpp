@@ -24,10 +24,9 @@ struct ExplicitLimit {
   double time = 0;       ///< s
   double tip_depth = 0;  ///< m, below the skin
   RayleighDamping damping;
-  double element = 0;   ///< from the element bound, without time.safety
-  double row_sums = 0;  ///< from the largest row sum of M^-1/2 K M^-1/2, a bound as safe
-  double spectral = 0;  ///< from the largest omega of M^-1 K (SLEPc)
-  double measured = 0;  ///< by bisection with ExplicitNewmark
+  double predicted = 0;  ///< what ExplicitNewmark takes, without time.safety
+  double spectral = 0;   ///< from the largest omega of M^-1 K (SLEPc)
+  double measured = 0;   ///< by bisection with ExplicitNewmark
   double worst_quality = 0;
   double smallest_height = 0;  ///< m, of any triangle
 };
