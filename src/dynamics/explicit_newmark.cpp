@@ -31,11 +31,13 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
-  root_mass_.resize(static_cast<std::size_t>(mesh.n_nodes()));
+  root_mass_.reserve(static_cast<std::size_t>(mesh.n_nodes()));
+  const auto masses = gather_all(tissue.lumped_mass());
+  for (std::size_t i = 0; i < masses.size(); i += 2) root_mass_.push_back(1 / std::sqrt(masses[i]));
   row_sums_ = MaximumTree(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
   std::vector<int> all(root_mass_.size());
   std::iota(all.begin(), all.end(), 0);
-  update_row_sums(all, all);
+  update_row_sums({}, all);
   const double undamped = safety_ * stylet::stable_step(largest_row_sum_, 0);
   constexpr double hopeless = 0.02;
   if (stable_step() < hopeless * undamped) {

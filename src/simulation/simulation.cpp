@@ -249,10 +249,14 @@ ConstraintSet Simulation::needle_constraints(const Needle* active) const {
 }
 
 double Simulation::sub_step(double longest, StepRecord& record) {
-  const NeedleStep step = motion().next(longest);
-  const double t1 = state_.t + step.h;
-  if (conditions_.load_changes(state_.t, t1)) update_load(t1);
-  if (!scene_.prescribed.empty()) base_ = conditions_.prescribed(t1);
+  NeedleStep step = motion().next(longest);
+  const bool load_changes = conditions_.load_changes(state_.t, state_.t + step.h);
+  const auto begin = [&] {
+    const double t1 = state_.t + step.h;
+    if (load_changes) update_load(t1);
+    if (!scene_.prescribed.empty()) base_ = conditions_.prescribed(t1);
+    integrator_->begin(state_, load_.get(), step.h, base_);
+  };
   Needle* active = nullptr;
   if (needle_ && (!needle_->released() || motion().action().kind == ActionKind::insert)) {
     active = &*needle_;
@@ -264,12 +268,18 @@ double Simulation::sub_step(double longest, StepRecord& record) {
       motion().action().kind == ActionKind::settle && !motion().action().duration;
   const std::size_t action = motion().index();
 
-  integrator_->begin(state_, load_.get(), step.h, base_);
+  begin();
   NeedleStepReport report;
   Trial trial;
   std::vector<int> shaft;
   for (int pass = 0;; ++pass) {
     const bool edited = active != nullptr && edit_for_needle();
+    // The elements that the edit left bound the very step that it belongs to.
+    if (const double stable = integrator_->stable_step(); edited && stable < step.h) {
+      step = motion().next(stable);
+      active->shorten_step(step);
+      begin();
+    }
     if (active != nullptr) {
       shaft = active->shaft_nodes();
       integrator_->watch(shaft);

@@ -165,10 +165,7 @@ void print(const Scene& scene, const Stability& result) {
   if (!result.balances.empty()) {
     std::printf(
         "\nwhole insertion with the scene's damping: balance error as in history.csv over the work "
-        "of the "
-        "hand\n(positive: lost by the scheme; negative: by edits of the mesh, or damping of "
-        "velocities "
-        "that alternate,\nwhich the balance books too high)\n"
+        "of the hand\n(positive: lost by the scheme)\n"
         "%10s  %-20s  %6s  %12s  %12s\n",
         "h (ms)", "scheme", "steps", "at the end", "lowest");
   }

@@ -73,6 +73,8 @@ class Needle {
   [[nodiscard]] std::vector<int> shaft_nodes() const;
 
   void start_step(const Mesh& mesh, const NeedleStep& step);
+  /// The same step from the same start, which ends sooner: its edits and contacts stay.
+  void shorten_step(const NeedleStep& step) { step_ = step; }
   [[nodiscard]] bool wants_edit() const { return hand_over_wanted_ || remaining_ != 0; }
   /// Throws NumericalError if the tip cannot go on.
   NeedleEdits plan(const Mesh& mesh, const NeedleView& start);

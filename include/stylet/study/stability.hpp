@@ -46,9 +46,7 @@ struct InsertionBalance {
   double step = 0;      ///< s
   int steps = 0;        ///< taken
   double external = 0;  ///< J, work done by the hand
-  /// Shares of it, at the end and the lowest of the run, by EnergyLedger. Negative where edits of the
-  /// mesh add energy, or where the ledger's trapezoid books h/4 (v1 - v0) . C (v1 - v0) a step too
-  /// much: velocities that alternate, as average acceleration leaves them.
+  /// Shares of it, at the end and the lowest of the run, by EnergyLedger: what the scheme lost.
   double balance_error = 0;
   double lowest_balance_error = 0;
   std::string failure;  ///< empty if it came to its end
