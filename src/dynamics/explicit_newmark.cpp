@@ -27,7 +27,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     : tissue_(tissue),
       safety_(parameters.safety),
       damping_(tissue.damping().value_or(RayleighDamping{})) {
-  for (OwnedVec* vec : {&u_, &v_, &a_, &stretched_, &force_, &reaction_}) {
+  for (OwnedVec* vec : {&u_, &v_, &a_, &stretched_, &force_, &reaction_, &working_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -62,7 +62,48 @@ double ExplicitNewmark::stable_step() const {
 
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   const auto changed = tissue_.rows_of(mesh, cells);
-  update_row_sums(changed, tissue_.coupled(mesh, changed));
+  const auto rows = tissue_.coupled(mesh, changed);
+  update_row_sums(changed, rows);
+  if (state_ != nullptr) accelerate_again(changed, rows);
+}
+
+// The next half step is under the accelerations of the state: where rows changed, they follow from the
+// new rows and the contact forces that the last step left, else that half step would do work that no
+// energy pays for. columns: nodes that the rows couple to, ascending.
+void ExplicitNewmark::accelerate_again(std::span<const int> rows, std::span<const int> columns) {
+  const auto dofs = dofs_of(columns);
+  const Vec vectors[2] = {state_->u.get(), state_->v.get()};
+  const auto fields = gather(vectors, dofs);
+  const Values load(load_);
+  const Values mass(tissue_.lumped_mass());
+  Entries a(state_->a.get());
+  for (const int node : rows) {
+    for (int row = 2 * node; a.owns(row) && row < 2 * node + 2; ++row) {
+      if (std::ranges::binary_search(kept_, row)) {
+        a[row] = 0;
+        continue;
+      }
+      PetscInt n = 0;
+      const PetscInt* column = nullptr;
+      const PetscScalar* values = nullptr;
+      check(MatGetRow(tissue_.stiffness(), row, &n, &column, &values));
+      double force = load[row];
+      auto at = dofs.begin();
+      for (PetscInt j = 0; j < n; ++j) {
+        if (values[j] == 0) continue;  // room for flips
+        at = std::lower_bound(at, dofs.end(), column[j]);
+        const auto k = static_cast<std::size_t>(at - dofs.begin());
+        force -= values[j] * (fields[0][k] + damping_.stiffness_factor * fields[1][k]);
+      }
+      check(MatRestoreRow(tissue_.stiffness(), row, &n, &column, &values));
+      const auto own = std::ranges::lower_bound(dofs, row) - dofs.begin();
+      force -= damping_.mass_factor * mass[row] * fields[1][static_cast<std::size_t>(own)];
+      for (const auto& contact : contact_) {
+        if (contact.dof == row) force += contact.value;
+      }
+      a[row] = force / mass[row];
+    }
+  }
 }
 
 // changed: nodes with a new row or mass; rows: theirs and those that couple to them. Both ascending.
@@ -140,13 +181,23 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   };
   lend([&] {
     predict(x, h, stiffness_factor);
+    placed_.clear();
+    blow_work_ = 0;
     for (const auto& c : dofs_) {
-      if (c.velocity || c.dof < tissue_.first_dof() || c.dof >= tissue_.end_dof()) continue;
+      if (c.velocity) continue;
+      placed_.push_back(c.dof);
+      if (c.dof < tissue_.first_dof() || c.dof >= tissue_.end_dof()) continue;
       const int i = c.dof - tissue_.first_dof();
+      const double given = (c.value - x.u0[i]) / h;
+      blow_work_ += 0.5 * x.mass[i] * (given * given - x.v[i] * x.v[i]);
       x.u[i] = c.value;
+      x.v[i] = given;
       x.stretched[i] = c.value + stiffness_factor * x.v[i];
     }
   });
+  if (!alone) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &blow_work_, 1, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+  }
   if (!alone) check(MatMult(k, stretched_.get(), force_.get()));
   lend([&] {
     if (!alone) {
@@ -181,7 +232,7 @@ void ExplicitNewmark::restore() {
 Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   dofs_.assign(held_.begin(), held_.end());
   dofs_.insert(dofs_.end(), constraints.dofs.begin(), constraints.dofs.end());
-  if (fresh_ || edited) {
+  if (fresh_ || edited || !places_same_dofs(constraints)) {
     check(TS2SetSolution(ts_.get(), u_.get(), v_.get()));
     check(TSSetTime(ts_.get(), state_->t));
     check(TSSetTimeStep(ts_.get(), h_));
@@ -191,18 +242,35 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   } else {
     restore();
   }
-  trial_ = {u_.get(), v_.get(), reaction_.get(), apply(constraints), 0};
+  const Multipliers multipliers = apply(constraints);
+  trial_ = {u_.get(), v_.get(),       reaction_.get(),     multipliers.lambda,
+            0,        working_.get(), multipliers.working, blow_work_};
   return trial_;
 }
 
+bool ExplicitNewmark::places_same_dofs(const ConstraintSet& constraints) const {
+  std::size_t n = 0;
+  const auto placed = [&](const PrescribedDof& c) {
+    if (c.velocity) return true;
+    return n < placed_.size() && placed_[n++] == c.dof;
+  };
+  return std::ranges::all_of(held_, placed) && std::ranges::all_of(constraints.dofs, placed) &&
+         n == placed_.size();
+}
+
 // Contact on the dofs that feel it; everything is local since the mass is diagonal.
-double ExplicitNewmark::apply(const ConstraintSet& constraints) {
-  check(VecSet(reaction_.get(), 0));
+//
+// Around the end of a step, half a step is under `reaction`, then half a step under what a is left with.
+// They differ where a contact begins: by the blow that brings the dof to its given velocity.
+ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constraints) {
   Entries v(v_.get());
   Entries a(a_.get());
   Entries u(u_.get());
   Entries reaction(reaction_.get());
+  Entries working(working_.get());
   Entries mass(tissue_.lumped_mass());
+  for (const int dof : written_) reaction[dof] = working[dof] = 0;
+  written_.clear();
   const int first = tissue_.first_dof();
   const double damped = 1 + 0.5 * h_ * damping_.mass_factor;
   const auto keep = [&](int dof) { overridden_.push_back({dof - first, v[dof], a[dof]}); };
@@ -215,23 +283,25 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
     v[dof] += 0.5 * h_ * extra;
   }
   std::vector<int> held;
-  {
-    const PetscScalar* u0 = nullptr;
-    check(VecGetArrayRead(state_->u.get(), &u0));
-    for (const auto& c : dofs_) {
-      if (!v.owns(c.dof)) continue;
-      keep(c.dof);
-      held.push_back(c.dof);
-      // A given velocity needs the force that changes the free velocity into it over the half step:
-      // with it, sticking and sliding exclude each other. A given position needs C v + K u - f.
-      reaction[c.dof] =
-          mass[c.dof] * damped * (c.velocity ? 2 * (c.value - v[c.dof]) / h_ : -a[c.dof]);
-      a[c.dof] = 0;
-      v[c.dof] = c.velocity ? c.value : (c.value - u0[c.dof - first]) / h_;
-    }
-    check(VecRestoreArrayRead(state_->u.get(), &u0));
+  for (const auto& c : dofs_) {
+    if (!v.owns(c.dof)) continue;
+    keep(c.dof);
+    held.push_back(c.dof);
+    written_.push_back(c.dof);
+    // A given velocity needs the force that changes the free velocity into it over the half step:
+    // with it, sticking and sliding exclude each other. A given place was taken by `advance`, with
+    // its velocity: C v + K u - f is left.
+    const double m = mass[c.dof];
+    const double given = c.velocity ? c.value : v[c.dof] - 0.5 * h_ * a[c.dof];
+    const double excess = v[c.dof] - given;
+    const double after = -m * (a[c.dof] + damping_.mass_factor * excess);
+    reaction[c.dof] = -m * damped * 2 * excess / h_;
+    working[c.dof] = 0.5 * (reaction[c.dof] + after);
+    a[c.dof] = 0;
+    v[c.dof] = given;
   }
-  double lambda = 0;
+  trial_contact_ = constraints.forces;
+  Multipliers multipliers;
   if (constraints.mean) {
     const auto& mean = *constraints.mean;
     std::ranges::sort(held);
@@ -253,11 +323,16 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
     const double steady = -sums[2] / sums[3];
     const double wanted = mean.rate + (mean.value - sums[0]) / h_;
     const double impulse = (wanted - sums[1]) / sums[3];
-    lambda = 2 * impulse / h_;
+    const double before = 2 * impulse / h_;
+    const double after = (steady + damping_.mass_factor * impulse) / damped;
+    multipliers = {before, 0.5 * (before + after)};
+    for (const auto& [dof, weight] : mean.weights) trial_contact_.push_back({dof, after * weight});
     for (const auto& [dof, weight] : mean.weights) {
       if (!v.owns(dof)) continue;
       if (mobility(dof) == 0) {
-        reaction[dof] -= lambda * weight;  // the tip's share is not the constraint's
+        // The tip's share is not the constraint's.
+        reaction[dof] -= multipliers.lambda * weight;
+        working[dof] -= multipliers.working * weight;
         continue;
       }
       keep(dof);
@@ -266,10 +341,14 @@ double ExplicitNewmark::apply(const ConstraintSet& constraints) {
     }
   }
   std::ranges::reverse(overridden_);
-  return lambda;
+  return multipliers;
 }
 
 void ExplicitNewmark::accept() {
+  kept_.clear();
+  for (const auto& c : dofs_) kept_.push_back(c.dof);
+  std::ranges::sort(kept_);
+  std::swap(contact_, trial_contact_);
   std::swap(state_->u, u_);
   std::swap(state_->v, v_);
   std::swap(state_->a, a_);

@@ -103,24 +103,4 @@ bool NearField::complete(Mat a,
   }
 }
 
-double NearField::factored_square(std::span<const Given> x) const {
-  PetscInt begin = 0;
-  PetscInt end = 0;
-  check(MatGetOwnershipRange(factor_.matrix(), &begin, &end));
-  double sum = 0;
-  for (const auto& row : x) {
-    const PetscInt i = dofs_[row.at];
-    if (i < begin || i >= end) continue;
-    for (const auto& column : x) {
-      PetscScalar entry = 0;
-      check(MatGetValue(factor_.matrix(), i, dofs_[column.at], &entry));
-      sum += row.value * entry * column.value;
-    }
-  }
-  if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, comm_));
-  }
-  return sum;
-}
-
 }  // namespace stylet

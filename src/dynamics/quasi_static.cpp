@@ -69,7 +69,6 @@ void QuasiStatic::factor() {
   accepted_.clear();
   pushed_.clear();
   last_pushed_.clear();
-  changed_energy_ = 0;
   make_near(forced_);
   for (const int dof : forced_) pushed_[near_.at(dof)] = force[dof];
   fresh_ = true;
@@ -225,23 +224,10 @@ Trial QuasiStatic::finish(bool whole) {
   return trial_;
 }
 
-// With K = A0 + E and u' = u + d at the start of the step after its edits, the strain energy grew by
-// d' A0 u + d' A0 d / 2 + u' E' u' / 2 - u E u / 2, all of it at near dofs.
-std::optional<TimeIntegrator::StrainEnergies> QuasiStatic::strain_energies() {
+std::optional<double> QuasiStatic::strain_energy() const {
   if (whole_step_) return std::nullopt;
-  StrainEnergies energies;
-  std::vector<NearField::Given> moved;
-  for (std::size_t i = 0; i < start_.size(); ++i) {
-    const double d = start_[i] - accepted_[i];
-    if (d == 0) continue;
-    moved.push_back({i, d});
-    energies.edits += d * pushed_[i];
-  }
-  energies.edits += 0.5 * near_.factored_square(moved) +
-                    0.5 * dot(start_, near_.changed_forces(start_)) - changed_energy_;
   const auto& x = solution_.x;
-  energies.end = 0.5 * (dot(x, near_.factored_forces(x)) + dot(x, near_.changed_forces(x)));
-  return energies;
+  return 0.5 * (dot(x, near_.factored_forces(x)) + dot(x, near_.changed_forces(x)));
 }
 
 void QuasiStatic::accept() {
@@ -262,7 +248,6 @@ void QuasiStatic::accept() {
   }
   std::swap(last_pushed_, pushed_);
   pushed_ = near_.factored_forces(solution_.x);
-  changed_energy_ = 0.5 * dot(solution_.x, near_.changed_forces(solution_.x));
   accepted_ = solution_.x;
   start_ = solution_.x;
   forced_.clear();

@@ -471,7 +471,7 @@ void Needle::book_work(const NeedleView& start,
   for (std::size_t i = 0; i < along_forces.size(); ++i) {
     auto& shaft = track_.nodes()[i];
     const auto& node = trial.at(shaft.node);
-    const double across_force = shaft.attached ? Axis::across(node.reaction) : 0;
+    const double across_force = shaft.attached ? Axis::across(node.working) : 0;
     const auto mean = [&](double last, double now) {
       return (1 - end_weight) * last + end_weight * now;
     };
@@ -490,18 +490,16 @@ void Needle::book_work(const NeedleView& start,
 NeedleStepReport Needle::commit(const Mesh& mesh,
                                 const NeedleView& start,
                                 const TrialView& trial,
-                                double lambda,
+                                Multiplier lambda,
                                 double end_weight) {
   NeedleStepReport report;
   const double v = step_.speed();
-  if (tip_ == TipContact::stick) report.forces.tip = lambda;
-  if (tip_ == TipContact::cut) report.forces.tip = threshold(mesh);
+  if (tip_ == TipContact::cut) lambda = threshold(mesh);
+  if (tip_ == TipContact::open) lambda = 0;
+  report.forces.tip = lambda.end;
   last_tip_force_ = report.forces.tip;
-  std::vector<double> along_forces(track_.size(), 0.0);
-  if (tip_ != TipContact::open) {
-    along_forces = tip_weights(mesh);
-    for (double& force : along_forces) force *= report.forces.tip;
-  }
+  std::vector<double> along_forces = tip_weights(mesh);
+  for (double& force : along_forces) force *= lambda.working;
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     const bool level = velocity_level_;
     velocity_level_ = false;  // the positions as they are
@@ -521,7 +519,7 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
                                ? Axis::along(node.reaction)
                                : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
       report.forces.friction += force;
-      along_forces[i] += force;
+      along_forces[i] += sticks ? Axis::along(node.working) : force;
       ++(sticks ? report.n_stick : report.n_slip);
       if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
         shaft.contact = Contact::stick;

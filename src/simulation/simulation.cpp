@@ -297,8 +297,10 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   trial = integrator_->finish(active == nullptr || conditions_.has_load() ||
                               !scene_.prescribed.empty() || ends_settled);
   if (active != nullptr) {
-    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial), trial.lambda,
-                            ledger_.end_weight());
+    report = active->commit(
+        mesh(), start_view(shaft), trial_view(shaft, trial),
+        {trial.lambda, trial.working != nullptr ? trial.working_lambda : trial.lambda},
+        ledger_.end_weight());
   }
   accept(trial, step.h, report);
   if (active != nullptr) {
@@ -350,19 +352,16 @@ double Simulation::prescribed_work(const Trial& trial) const {
 }
 
 void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
-  const auto strain = integrator_->strain_energies();
-  if (edited_) {
-    strain ? ledger_.edited(strain->edits) : ledger_.edited(*tissue_, state_);
-  }
-  edited_ = false;
-  const double external = report.work + (reaction_ ? prescribed_work(trial) : 0);
+  const auto strain = integrator_->strain_energy();
+  const double external = report.work + trial.blow_work + (reaction_ ? prescribed_work(trial) : 0);
   ledger_.add(*tissue_, state_, trial, h, last_load_.get(), last_load_ ? load_.get() : nullptr,
               external, report.dissipated);
-  if (reaction_) check(VecCopy(trial.reaction, reaction_.get()));
+  if (reaction_)
+    check(VecCopy(trial.working != nullptr ? trial.working : trial.reaction, reaction_.get()));
   integrator_->accept();
   if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
   if (strain) {
-    ledger_.weigh(strain->end);
+    ledger_.weigh(*strain);
   } else if (ledger_.due()) {
     ledger_.weigh(*tissue_, state_);
   }
@@ -387,13 +386,6 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
   std::vector<int> touched;
   for (const auto& move : edits.moves) {
     mesh.move_node(move.node, move.x);
-    const auto set = [&](Vec vector, Vector2 value) {
-      set_owned(vector, 2 * move.node, value.x);
-      set_owned(vector, 2 * move.node + 1, value.y);
-    };
-    set(state_.u.get(), move.state.u);
-    set(state_.v.get(), move.state.v);
-    set(state_.a.get(), move.state.a);
     const auto around = mesh.cells_around(move.node);
     touched.insert(touched.end(), around.begin(), around.end());
   }
@@ -417,9 +409,21 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
                          " (at least " + std::to_string(quality_floor) +
                          " is needed); refine the mesh or move the needle");
   }
-  edited_ = true;
+  const auto rows = tissue_->rows_of(mesh, touched);
+  integrator_->complete_at(rows);
+  const double before = ledger_.within(*tissue_, rows, state_);
+  for (const auto& move : edits.moves) {
+    const auto set = [&](Vec vector, Vector2 value) {
+      set_owned(vector, 2 * move.node, value.x);
+      set_owned(vector, 2 * move.node + 1, value.y);
+    };
+    set(state_.u.get(), move.state.u);
+    set(state_.v.get(), move.state.v);
+    set(state_.a.get(), move.state.a);
+  }
   if (tissue_->update(mesh, touched)) ++counts_.pattern_rebuilds;
   integrator_->touched(mesh, touched);
+  ledger_.edited(ledger_.within(*tissue_, rows, state_) - before);
   relocate(mesh, touched, membrane_);
   relocate(mesh, touched, probes_);
   for (auto& seed : seeds_) {
@@ -443,12 +447,13 @@ NeedleView Simulation::start_view(std::span<const int> nodes) const {
 }
 
 TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
-  const Vec vectors[3] = {trial.u, trial.v, trial.reaction};
+  const Vec working = trial.working != nullptr ? trial.working : trial.reaction;
+  const Vec vectors[4] = {trial.u, trial.v, trial.reaction, working};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
-    trials.push_back({of(0), of(1), of(2)});
+    trials.push_back({of(0), of(1), of(2), of(3)});
   }
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
 }

@@ -168,7 +168,8 @@ class Block {
     const int dofs[1] = {dof_};
     const auto g = gather(vectors, dofs);
     const auto at = std::ranges::find(nodes, dof_ / 2) - nodes.begin();
-    values[static_cast<std::size_t>(at)] = {{g[0][0], 0}, {g[1][0], 0}, {g[2][0], 0}};
+    const Vector2 reaction{g[2][0], 0};
+    values[static_cast<std::size_t>(at)] = {{g[0][0], 0}, {g[1][0], 0}, reaction, reaction};
     return {nodes, values};
   }
 

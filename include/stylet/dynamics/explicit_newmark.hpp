@@ -40,9 +40,16 @@ class ExplicitNewmark final : public TimeIntegrator {
     double v;
     double a;
   };
+  /// The tip's condition (N), as in Trial.
+  struct Multipliers {
+    double lambda = 0;
+    double working = 0;
+  };
   void advance(double h, Vec u, Vec v);
+  void accelerate_again(std::span<const int> rows, std::span<const int> columns);
   void restore();
-  double apply(const ConstraintSet& constraints);
+  [[nodiscard]] bool places_same_dofs(const ConstraintSet& constraints) const;
+  Multipliers apply(const ConstraintSet& constraints);
   void update_row_sums(std::span<const int> changed, std::span<const int> rows);
   [[nodiscard]] double row_sum(int node) const;
 
@@ -61,12 +68,19 @@ class ExplicitNewmark final : public TimeIntegrator {
   std::vector<PrescribedDof> dofs_;  ///< held ones and the needle's
   Trial trial_;
   std::vector<FreeValue> overridden_;
+  std::vector<int> placed_;              ///< dofs with a given place, of all ranks
+  double blow_work_ = 0;                 ///< J
+  std::vector<DofValue> trial_contact_;  ///< forces of the needle just after the step (N)
+  std::vector<DofValue> contact_;        ///< the same of the last accepted step
+  std::vector<int> kept_;                ///< dofs with a given place or velocity there, ascending
+  std::vector<int> written_;  ///< entries of reaction_ and working_ that need not be zero
   OwnedVec u_;
   OwnedVec v_;
   OwnedVec a_;
   OwnedVec force_;
   OwnedVec stretched_;
   OwnedVec reaction_;
+  OwnedVec working_;
 };
 
 /// Stable step of one mode (s): omega^2 in (rad/s)^2, stiffness damping in s.

@@ -81,8 +81,6 @@ class NearField {
   /// A0 and E of x at the near dofs, if b was zero.
   [[nodiscard]] std::vector<double> factored_forces(std::span<const double> x) const;
   [[nodiscard]] std::vector<double> changed_forces(std::span<const double> x) const;
-  /// Collective. x' A0 x for an x that is zero but at some near dofs.
-  [[nodiscard]] double factored_square(std::span<const Given> x) const;
 
  private:
   void grow(std::span<const int> dofs);

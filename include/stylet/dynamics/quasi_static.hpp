@@ -26,7 +26,7 @@ class QuasiStatic final : public TimeIntegrator {
   void accept() override;
   void complete() override;
   void complete_at(std::span<const int> nodes) override { watch(nodes); }
-  [[nodiscard]] std::optional<StrainEnergies> strain_energies() override;
+  [[nodiscard]] std::optional<double> strain_energy() const override;
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
@@ -64,7 +64,6 @@ class QuasiStatic final : public TimeIntegrator {
   std::vector<double> pushed_;       ///< A0 u: zero at later dofs
   std::vector<double> last_pushed_;  ///< of the trial before
   std::vector<int> forced_;          ///< dofs that carried a force
-  double changed_energy_ = 0;        ///< u' E u / 2 (J)
   Trial trial_;
   OwnedVec u_;
   OwnedVec v_;

@@ -17,6 +17,11 @@ struct Trial {
   Vec reaction = nullptr;  ///< force that each prescribed dof needs (N), zero elsewhere
   double lambda = 0;       ///< multiplier of the mean condition (N), 0 without one
   int iterations = 0;      ///< of linear solvers
+  /// Central difference only, where a contact that begins gives a blow at the end of the step: means of
+  /// reaction and lambda just before and just after it, which are the forces that do work.
+  Vec working = nullptr;
+  double working_lambda = 0;
+  double blow_work = 0;  ///< done in this step by bringing dofs to their given places (J)
 };
 
 class TimeIntegrator {
@@ -51,13 +56,9 @@ class TimeIntegrator {
   /// Collective. At these nodes at least.
   virtual void complete_at(std::span<const int>) {}
 
-  /// Strain energies (J) around a step that is not whole, from what is known near the needle: what
-  /// edits before the last trial added, and that of the last trial. None if the step is whole.
-  struct StrainEnergies {
-    double edits = 0;
-    double end = 0;
-  };
-  [[nodiscard]] virtual std::optional<StrainEnergies> strain_energies() { return std::nullopt; }
+  /// Collective. Strain energy (J) of the last trial from what is known near the needle. None if the
+  /// step is whole: its displacements then tell.
+  [[nodiscard]] virtual std::optional<double> strain_energy() const { return std::nullopt; }
 
   /// The largest step that is stable now (s); infinity if unconditionally stable.
   [[nodiscard]] virtual double stable_step() const = 0;

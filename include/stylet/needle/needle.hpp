@@ -58,6 +58,15 @@ struct NeedleTissue {
   std::vector<double> region_modulus;    ///< Young's modulus by region (Pa), for stiffness_share
 };
 
+/// Of the tip's condition (N), as in Trial.
+struct Multiplier {
+  // NOLINTNEXTLINE(google-explicit-constructor): one number where both are the same
+  Multiplier(double both) : end(both), working(both) {}
+  Multiplier(double at_end, double that_works) : end(at_end), working(that_works) {}
+  double end;
+  double working;
+};
+
 class Needle {
  public:
   /// velocity_level: contact is decided by velocities (central difference).
@@ -86,7 +95,7 @@ class Needle {
   NeedleStepReport commit(const Mesh& mesh,
                           const NeedleView& start,
                           const TrialView& trial,
-                          double lambda,
+                          Multiplier lambda,
                           double end_weight = 1);
 
   [[nodiscard]] const NeedleParameters& parameters() const { return parameters_; }

@@ -21,6 +21,7 @@ struct NodeTrial {
   Vector2 u;         ///< m
   Vector2 v;         ///< m/s
   Vector2 reaction;  ///< N, of the prescribed dofs
+  Vector2 working;   ///< N, what of it does work: as in Trial
 };
 
 /// Values of some nodes.

@@ -13,7 +13,8 @@ struct Energies {
   double strain = 0;
   double dissipated = 0;  ///< by damping, friction and cutting
   double external = 0;    ///< done by the needle's hand, loads and prescribed curves
-  double edits = 0;       ///< got where moved nodes took interpolated fields; not kept if explicit
+  /// Got where moved nodes took interpolated fields, and where explicit steps changed their length.
+  double edits = 0;
   [[nodiscard]] double balance_error() const {
     return external + edits - (kinetic + strain + dissipated);
   }
@@ -24,8 +25,8 @@ struct Energies {
 [[nodiscard]] double strain_energy(const TissueOperator& tissue, Vec u, Vec work);
 
 /// Work is summed in every step, by what is declared: nothing without damping and loads. Kinetic and
-/// strain energy cost a product with K and one with M: after every implicit step, again where it
-/// edited the mesh, and after every twentieth explicit one.
+/// strain energy cost a product with K and one with M: after every implicit step and every twentieth
+/// explicit one. What edits add is measured on their own rows.
 class EnergyLedger {
  public:
   EnergyLedger(const TissueOperator& tissue,
@@ -33,9 +34,13 @@ class EnergyLedger {
                const TimeParameters& time,
                double thickness);
 
-  /// Collective, between the last edit of a step and `add`.
-  void edited(const TissueOperator& tissue, const State& state);
-  /// The same where it is known what edits added (J).
+  /// Kinetic and strain energy (J) of the couplings among these nodes, ascending: it changes by as much
+  /// as that of the tissue where only rows and fields of these nodes change, and no row of a node
+  /// whose field changes leaves them. Collective; costs what the nodes are.
+  [[nodiscard]] double within(const TissueOperator& tissue,
+                              std::span<const int> nodes,
+                              const State& state) const;
+  /// What an edit added (J).
   void edited(double change) { energies_.edits += change; }
 
   /// Collective, before the trial is accepted. load0, load1: forces at its start and end (N), or
@@ -72,7 +77,11 @@ class EnergyLedger {
 
   bool inertia_;
   double end_weight_;
-  double swing_;  ///< mechanical energy may exceed that of the exact solution by this factor
+  bool is_explicit_;
+  /// Central difference conserves ½ v M v + ½ u K u - h²/8 a M a: the last, by which kinetic and strain
+  /// energy swing (J).
+  double swing_ = 0;
+  double h_ = 0;  ///< of the last step (s)
   int interval_;
   int unchecked_ = 0;
   bool checks_ = true;
@@ -81,6 +90,7 @@ class EnergyLedger {
   Energies energies_;
   OwnedVec increment_;
   OwnedVec work_;
+  OwnedVec half_velocity_;  ///< of the last explicit step, where stiffness damps
 };
 
 }  // namespace stylet

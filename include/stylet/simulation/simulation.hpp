@@ -128,7 +128,6 @@ class Simulation {
   std::unique_ptr<TissueOperator> tissue_;
   EnergyLedger ledger_;
   bool track_energy_;
-  bool edited_ = false;  ///< since the last accepted step
   std::unique_ptr<TimeIntegrator> integrator_;
   State state_;
   OwnedVec load_;
