@@ -2,7 +2,8 @@
 // error that names its cause. Anything else fails.
 //   extremes [--long] [--only TEXT]
 // Checks of an answer: all numbers finite; E, density and all forces times three leave the placement
-// unchanged to 1e-9 m; quasi-static: supports and needle balance; a bar is as long as it must be.
+// unchanged to 1e-9 m; explicit: energies are the work done to 1 %; quasi-static: supports and needle
+// balance; a bar is as long as it must be.
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -60,6 +61,7 @@ struct Answer {
   double support = 0;          ///< N, quasi-static: of supports and needle together
   double force = 0;            ///< N, largest of the needle
   int steps = 0;
+  double unbalanced = 0;  ///< energy of explicit steps without origin or end, over the work done
 };
 
 Answer solve(const Scene& scene) {
@@ -72,6 +74,10 @@ Answer solve(const Scene& scene) {
   });
   answer.steps = simulation.counts().steps;
   answer.places = simulation.placement_errors();
+  if (scene.time.method == TimeMethod::explicit_newmark) {
+    const Energies& energies = simulation.energies();
+    answer.unbalanced = energies.balance_error() / std::abs(energies.external);
+  }
   for (const auto& probe : simulation.probes()) {
     const std::vector<EmbeddedPoint> one{probe};
     answer.places.push_back(simulation.world(one)[0].x - probe.x.x);
@@ -94,6 +100,10 @@ std::string check_answer(const Scene& scene, const Answer& answer) {
     if (!std::isfinite(place)) return "a number is not finite";
   }
   char text[200];
+  if (std::abs(answer.unbalanced) > 0.01) {
+    std::snprintf(text, sizeof text, "%.3g of the work is not in the energies", answer.unbalanced);
+    return text;
+  }
   if (std::abs(answer.support) > 1e-8 * std::max(answer.force, 1e-300)) {
     std::snprintf(text, sizeof text, "supports and needle leave %.3g N of %.3g N", answer.support,
                   answer.force);

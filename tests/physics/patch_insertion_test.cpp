@@ -145,6 +145,7 @@ time: {method: explicit, step: 1 ms}
   });
   EXPECT_EQ(moved, 1);
   EXPECT_GT(simulation.counts().needle.hand_overs, 2);
+  EXPECT_LT(simulation.energy_excess(), 0.02);
 }
 
 }  // namespace
