@@ -34,6 +34,10 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   root_mass_.reserve(static_cast<std::size_t>(mesh.n_nodes()));
   const auto masses = gather_all(tissue.lumped_mass());
   for (std::size_t i = 0; i < masses.size(); i += 2) root_mass_.push_back(1 / std::sqrt(masses[i]));
+  for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += 2) {
+    node_mass_.push_back(masses[static_cast<std::size_t>(dof)]);
+  }
+  if (size_of(tissue.comm()) == 1) rows_ = BlockRows(tissue.stiffness());
   row_sums_ = MaximumTree(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
   std::vector<int> all(root_mass_.size());
   std::iota(all.begin(), all.end(), 0);
@@ -63,6 +67,7 @@ double ExplicitNewmark::stable_step() const {
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   const auto changed = tissue_.rows_of(mesh, cells);
   const auto rows = tissue_.coupled(mesh, changed);
+  if (size_of(tissue_.comm()) == 1) rows_.update(tissue_.stiffness(), changed);
   update_row_sums(changed, rows);
   if (state_ != nullptr) accelerate_again(changed, rows);
 }
@@ -79,7 +84,7 @@ void ExplicitNewmark::accelerate_again(std::span<const int> rows, std::span<cons
   Entries a(state_->a.get());
   for (const int node : rows) {
     for (int row = 2 * node; a.owns(row) && row < 2 * node + 2; ++row) {
-      if (std::ranges::binary_search(kept_, row)) {
+      if (is_given(row, kept_)) {
         a[row] = 0;
         continue;
       }
@@ -114,6 +119,8 @@ void ExplicitNewmark::update_row_sums(std::span<const int> changed, std::span<co
   const auto masses = gather(vectors, dofs)[0];
   for (std::size_t i = 0; i < changed.size(); ++i) {
     root_mass_[static_cast<std::size_t>(changed[i])] = 1 / std::sqrt(masses[i]);
+    if (!tissue_.owns(changed[i])) continue;
+    node_mass_[static_cast<std::size_t>(changed[i] - tissue_.first_dof() / 2)] = masses[i];
   }
   for (const int node : rows) {
     if (!tissue_.owns(node)) continue;
@@ -154,33 +161,37 @@ void ExplicitNewmark::begin(State& state, Vec load, double h, std::span<const Pr
 
 void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   const double stiffness_factor = damping_.stiffness_factor;
-  Mat k = tissue_.stiffness();
   const bool alone = size_of(tissue_.comm()) == 1;
+  const Vec stretched = stiffness_factor != 0 ? stretched_.get() : u;
+  PetscReal load_size = 0;
+  check(VecNorm(load_, NORM_INFINITY, &load_size));  // remembered by PETSc while nothing changes
   ExplicitArrays x{};
   const auto lend = [&](auto&& then) {
     const Values u0(state_->u.get());
     const Values v0(state_->v.get());
     const Values a0(state_->a.get());
     const Values load(load_);
-    const Values mass(tissue_.lumped_mass());
     Entries u1(u);
     Entries v1(v);
     Entries a1(a_.get());
-    Entries stretched(stretched_.get());
-    x = {static_cast<std::size_t>(tissue_.end_dof() - tissue_.first_dof()),
+    Entries s(stretched_.get());
+    const auto first = static_cast<std::size_t>(tissue_.first_dof() / 2);
+    x = {node_mass_.size(),
          u0.data(),
          v0.data(),
          a0.data(),
          u1.data(),
          v1.data(),
          a1.data(),
-         stretched.data(),
-         load.data(),
-         mass.data()};
+         stiffness_factor != 0 ? s.data() : u1.data(),
+         load_size > 0 ? load.data() : nullptr,
+         node_mass_.data(),
+         root_mass_.data() + first};
     then();
   };
+  MassWork mass_work;
   lend([&] {
-    predict(x, h, stiffness_factor);
+    mass_work = predict(x, h, stiffness_factor);
     placed_.clear();
     blow_work_ = 0;
     for (const auto& c : dofs_) {
@@ -188,30 +199,27 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
       placed_.push_back(c.dof);
       if (c.dof < tissue_.first_dof() || c.dof >= tissue_.end_dof()) continue;
       const int i = c.dof - tissue_.first_dof();
+      const double mass = x.mass[i / 2];
       const double given = (c.value - x.u0[i]) / h;
-      blow_work_ += 0.5 * x.mass[i] * (given * given - x.v[i] * x.v[i]);
+      const double squares = mass * (given * given - x.v[i] * x.v[i]);
+      blow_work_ += 0.5 * squares;
+      mass_work.start += mass * x.v0[i] * (given - x.v[i]);
+      mass_work.half += squares;
       x.u[i] = c.value;
       x.v[i] = given;
-      x.stretched[i] = c.value + stiffness_factor * x.v[i];
+      x.stretched[i] = c.value + stiffness_factor * given;
     }
   });
-  if (!alone) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &blow_work_, 1, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
-  }
-  if (!alone) check(MatMult(k, stretched_.get(), force_.get()));
+  if (!alone) check(MatMult(tissue_.stiffness(), stretched, force_.get()));
   lend([&] {
-    if (!alone) {
-      accelerate(x, Values(force_.get()).data(), h, damping_.mass_factor);
-      return;
-    }
-    RowMatrix rows{};
-    PetscInt n = 0;
-    PetscBool done = PETSC_FALSE;
-    check(MatGetRowIJ(k, 0, PETSC_FALSE, PETSC_FALSE, &n, &rows.first, &rows.columns, &done));
-    check(MatSeqAIJGetArrayRead(k, &rows.values));
-    accelerate(x, rows, h, damping_.mass_factor);
-    check(MatSeqAIJRestoreArrayRead(k, &rows.values));
-    check(MatRestoreRowIJ(k, 0, PETSC_FALSE, PETSC_FALSE, &n, &rows.first, &rows.columns, &done));
+    const double power = alone
+                             ? accelerate(x, rows_, h, damping_.mass_factor)
+                             : accelerate(x, Values(force_.get()).data(), h, damping_.mass_factor);
+    // v of the half step times M v of the end, since M a is the force of the end.
+    const double half = 0.5 * h;
+    const double end = mass_work.half + half * (power - damping_.mass_factor * mass_work.half) /
+                                            (1 + half * damping_.mass_factor);
+    free_damping_work_ = damping_.mass_factor * half * (mass_work.start + end);
   });
 }
 
@@ -243,9 +251,20 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
     restore();
   }
   const Multipliers multipliers = apply(constraints);
+  double works[2] = {blow_work_, damping_work_};
+  if (size_of(tissue_.comm()) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, works, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+  }
   trial_ = {u_.get(), v_.get(),       reaction_.get(),     multipliers.lambda,
-            0,        working_.get(), multipliers.working, blow_work_};
+            0,        working_.get(), multipliers.working, works[0],
+            works[1]};
   return trial_;
+}
+
+// By the needle (dofs) or apart from it.
+bool ExplicitNewmark::is_given(int dof, std::span<const PrescribedDof> dofs) const {
+  return std::ranges::find(dofs, dof, &PrescribedDof::dof) != dofs.end() ||
+         std::ranges::binary_search(held_, dof, {}, &PrescribedDof::dof);
 }
 
 bool ExplicitNewmark::places_same_dofs(const ConstraintSet& constraints) const {
@@ -273,40 +292,41 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
   written_.clear();
   const int first = tissue_.first_dof();
   const double damped = 1 + 0.5 * h_ * damping_.mass_factor;
-  const auto keep = [&](int dof) { overridden_.push_back({dof - first, v[dof], a[dof]}); };
+  const double half = 0.5 * h_;
+  damping_work_ = free_damping_work_;
   // The first record of a dof holds its free value; restored in reverse, it is written last.
+  const auto change = [&](int dof, double new_v, double new_a) {
+    overridden_.push_back({dof - first, v[dof], a[dof]});
+    const double half_velocity = v[dof] - half * a[dof];
+    damping_work_ += damping_.mass_factor * half * mass[dof] * (new_v - v[dof]) * half_velocity;
+    v[dof] = new_v;
+    a[dof] = new_a;
+  };
   for (const auto& [dof, force] : constraints.forces) {
     if (!v.owns(dof)) continue;
-    keep(dof);
     const double extra = force / (mass[dof] * damped);
-    a[dof] += extra;
-    v[dof] += 0.5 * h_ * extra;
+    change(dof, v[dof] + half * extra, a[dof] + extra);
   }
-  std::vector<int> held;
   for (const auto& c : dofs_) {
     if (!v.owns(c.dof)) continue;
-    keep(c.dof);
-    held.push_back(c.dof);
     written_.push_back(c.dof);
     // A given velocity needs the force that changes the free velocity into it over the half step:
     // with it, sticking and sliding exclude each other. A given place was taken by `advance`, with
     // its velocity: C v + K u - f is left.
     const double m = mass[c.dof];
-    const double given = c.velocity ? c.value : v[c.dof] - 0.5 * h_ * a[c.dof];
+    const double given = c.velocity ? c.value : v[c.dof] - half * a[c.dof];
     const double excess = v[c.dof] - given;
     const double after = -m * (a[c.dof] + damping_.mass_factor * excess);
     reaction[c.dof] = -m * damped * 2 * excess / h_;
     working[c.dof] = 0.5 * (reaction[c.dof] + after);
-    a[c.dof] = 0;
-    v[c.dof] = given;
+    change(c.dof, given, 0);
   }
   trial_contact_ = constraints.forces;
   Multipliers multipliers;
   if (constraints.mean) {
     const auto& mean = *constraints.mean;
-    std::ranges::sort(held);
     const auto mobility = [&](int dof) {
-      return std::ranges::binary_search(held, dof) ? 0.0 : 1 / (mass[dof] * damped);
+      return is_given(dof, constraints.dofs) ? 0.0 : 1 / (mass[dof] * damped);
     };
     double sums[4] = {0, 0, 0, 0};  // w.u, w.v, w.a, w.M^-1 w
     for (const auto& [dof, weight] : mean.weights) {
@@ -335,9 +355,8 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
         working[dof] -= multipliers.working * weight;
         continue;
       }
-      keep(dof);
-      a[dof] += steady * weight * mobility(dof);
-      v[dof] += impulse * weight * mobility(dof);
+      change(dof, v[dof] + impulse * weight * mobility(dof),
+             a[dof] + steady * weight * mobility(dof));
     }
   }
   std::ranges::reverse(overridden_);
@@ -345,9 +364,7 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
 }
 
 void ExplicitNewmark::accept() {
-  kept_.clear();
-  for (const auto& c : dofs_) kept_.push_back(c.dof);
-  std::ranges::sort(kept_);
+  kept_.assign(dofs_.begin() + static_cast<std::ptrdiff_t>(held_.size()), dofs_.end());
   std::swap(contact_, trial_contact_);
   std::swap(state_->u, u_);
   std::swap(state_->v, v_);

@@ -1,5 +1,7 @@
 #include "stylet/dynamics/row_kernel.hpp"
 
+#include "stylet/petsc/check.hpp"
+
 #include <cstring>
 
 #if defined(__x86_64__)
@@ -11,77 +13,65 @@ namespace stylet {
 
 namespace {
 
-using Two = double __attribute__((vector_size(16)));
+/// A SeqAIJ matrix's arrays, lent.
+class Arrays {
+ public:
+  explicit Arrays(Mat k) : k_(k) {
+    PetscBool done = PETSC_FALSE;
+    check(MatGetRowIJ(k, 0, PETSC_FALSE, PETSC_FALSE, &n_rows, &first, &columns, &done));
+    check(MatSeqAIJGetArrayRead(k, &values));
+  }
+  Arrays(const Arrays&) = delete;
+  Arrays& operator=(const Arrays&) = delete;
+  ~Arrays() {
+    PetscBool done = PETSC_FALSE;
+    (void)MatSeqAIJRestoreArrayRead(k_, &values);
+    (void)MatRestoreRowIJ(k_, 0, PETSC_FALSE, PETSC_FALSE, &n_rows, &first, &columns, &done);
+  }
+  PetscInt n_rows = 0;
+  const PetscInt* first = nullptr;
+  const PetscInt* columns = nullptr;
+  const PetscScalar* values = nullptr;
 
-Two two(const double* from) {
-  Two vector;
-  std::memcpy(&vector, from, sizeof vector);
-  return vector;
-}
+ private:
+  Mat k_;
+};
 
-struct Force {
+struct Vector {
   double x;
   double y;
 };
 
-// Both rows of a node times a vector. Even and odd pairs of columns are summed apart, in all versions
-// of this function, so that they give the same bits.
-Force node_force(const RowMatrix& k, std::size_t row, const double* s) {
-  const auto begin = static_cast<std::size_t>(k.first[row]);
-  const auto end = static_cast<std::size_t>(k.first[row + 1]);
-  const PetscInt* column = k.columns + begin;
-  const double* k0 = k.values + begin;
-  const double* k1 = k.values + end;
-  const std::size_t width = end - begin;
-  Two even0 = {0, 0};
-  Two even1 = {0, 0};
-  Two odd0 = {0, 0};
-  Two odd1 = {0, 0};
-  std::size_t j = 0;
-  for (; j + 4 <= width; j += 4) {
-    const Two first = two(s + column[j]);
-    const Two second = two(s + column[j + 2]);
-    even0 += two(k0 + j) * first;
-    odd0 += two(k0 + j + 2) * second;
-    even1 += two(k1 + j) * first;
-    odd1 += two(k1 + j + 2) * second;
+// Even and odd blocks are summed apart, in all versions of this function, so that they give the same
+// bits.
+Vector node_force(const BlockRows::Row& row, const double* s) {
+  double sum[2][4] = {};
+  for (std::size_t j = 0; j < row.n; ++j) {
+    const double* k = row.values + 4 * j;
+    const double* x = s + 2 * static_cast<std::size_t>(row.columns[j]);
+    for (std::size_t i = 0; i < 4; ++i) sum[j % 2][i] += k[i] * x[i % 2];
   }
-  if (j < width) {
-    const Two last = two(s + column[j]);
-    even0 += two(k0 + j) * last;
-    even1 += two(k1 + j) * last;
-  }
-  return {(even0[0] + even0[1]) + (odd0[0] + odd0[1]), (even1[0] + even1[1]) + (odd1[0] + odd1[1])};
+  for (std::size_t i = 0; i < 4; ++i) sum[0][i] += sum[1][i];
+  return {sum[0][0] + sum[0][1], sum[0][2] + sum[0][3]};
 }
 
 #if defined(__x86_64__)
-STYLET_AVX2 inline Force node_force_avx2(const RowMatrix& k, std::size_t row, const double* s) {
-  const auto begin = static_cast<std::size_t>(k.first[row]);
-  const auto end = static_cast<std::size_t>(k.first[row + 1]);
-  const PetscInt* column = k.columns + begin;
-  const double* k0 = k.values + begin;
-  const double* k1 = k.values + end;
-  const std::size_t width = end - begin;
-  __m256d sum0 = _mm256_setzero_pd();
-  __m256d sum1 = _mm256_setzero_pd();
+STYLET_AVX2 inline Vector node_force_avx2(const BlockRows::Row& row, const double* s) {
+  const auto product = [&](std::size_t j) STYLET_AVX2 {
+    const auto* x =
+        reinterpret_cast<const __m128d*>(s + 2 * static_cast<std::size_t>(row.columns[j]));
+    return _mm256_mul_pd(_mm256_loadu_pd(row.values + 4 * j), _mm256_broadcast_pd(x));
+  };
+  __m256d even = _mm256_setzero_pd();
+  __m256d odd = _mm256_setzero_pd();
   std::size_t j = 0;
-  for (; j + 4 <= width; j += 4) {
-    const __m256d both = _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(s + column[j])),
-                                              _mm_loadu_pd(s + column[j + 2]), 1);
-    sum0 = _mm256_add_pd(sum0, _mm256_mul_pd(_mm256_loadu_pd(k0 + j), both));
-    sum1 = _mm256_add_pd(sum1, _mm256_mul_pd(_mm256_loadu_pd(k1 + j), both));
+  for (; j + 2 <= row.n; j += 2) {
+    even = _mm256_add_pd(even, product(j));
+    odd = _mm256_add_pd(odd, product(j + 1));
   }
-  __m128d even0 = _mm256_castpd256_pd128(sum0);
-  __m128d even1 = _mm256_castpd256_pd128(sum1);
-  if (j < width) {
-    const __m128d last = _mm_loadu_pd(s + column[j]);
-    even0 = _mm_add_pd(even0, _mm_mul_pd(_mm_loadu_pd(k0 + j), last));
-    even1 = _mm_add_pd(even1, _mm_mul_pd(_mm_loadu_pd(k1 + j), last));
-  }
-  // Sums of pairs, then even and odd.
-  const __m128d both = _mm_hadd_pd(even0, even1);
-  const __m128d odd = _mm_hadd_pd(_mm256_extractf128_pd(sum0, 1), _mm256_extractf128_pd(sum1, 1));
-  const __m128d force = _mm_add_pd(both, odd);
+  if (j < row.n) even = _mm256_add_pd(even, product(j));
+  const __m256d sum = _mm256_add_pd(even, odd);
+  const __m128d force = _mm_hadd_pd(_mm256_castpd256_pd128(sum), _mm256_extractf128_pd(sum, 1));
   return {force[0], force[1]};
 }
 #endif
@@ -92,26 +82,34 @@ struct Factors {
   double damped;
 };
 
-inline void integrate(const ExplicitArrays& x, std::size_t i, double force, const Factors& f) {
-  x.a[i] = ((x.load[i] - force) / x.mass[i] - f.mass_factor * x.v[i]) * f.damped;
+inline double integrate(const ExplicitArrays& x, std::size_t node, Vector force, const Factors& f) {
+  const std::size_t i = 2 * node;
+  const double inverse = x.inverse_root[node] * x.inverse_root[node];
+  const Vector rest = x.load == nullptr ? Vector{-force.x, -force.y}
+                                        : Vector{x.load[i] - force.x, x.load[i + 1] - force.y};
+  const double power = rest.x * x.v[i] + rest.y * x.v[i + 1];
+  x.a[i] = (rest.x * inverse - f.mass_factor * x.v[i]) * f.damped;
+  x.a[i + 1] = (rest.y * inverse - f.mass_factor * x.v[i + 1]) * f.damped;
   x.v[i] += f.half * x.a[i];
+  x.v[i + 1] += f.half * x.a[i + 1];
+  return power;
 }
 
-void accelerate_plain(const ExplicitArrays& x, const RowMatrix& k, const Factors& f) {
-  for (std::size_t row = 0; row < x.n_dofs; row += 2) {
-    const Force force = node_force(k, row, x.stretched);
-    integrate(x, row, force.x, f);
-    integrate(x, row + 1, force.y, f);
+double accelerate_plain(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
+  double power = 0;
+  for (std::size_t node = 0; node < x.n_nodes; ++node) {
+    power += integrate(x, node, node_force(k[node], x.stretched), f);
   }
+  return power;
 }
 
 #if defined(__x86_64__)
-STYLET_AVX2 void accelerate_avx2(const ExplicitArrays& x, const RowMatrix& k, const Factors& f) {
-  for (std::size_t row = 0; row < x.n_dofs; row += 2) {
-    const Force force = node_force_avx2(k, row, x.stretched);
-    integrate(x, row, force.x, f);
-    integrate(x, row + 1, force.y, f);
+STYLET_AVX2 double accelerate_avx2(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
+  double power = 0;
+  for (std::size_t node = 0; node < x.n_nodes; ++node) {
+    power += integrate(x, node, node_force_avx2(k[node], x.stretched), f);
   }
+  return power;
 }
 #endif
 
@@ -122,35 +120,76 @@ Factors factors(double h, double mass_factor) {
 
 }  // namespace
 
-void predict(const ExplicitArrays& x, double h, double stiffness_factor) {
-  const double* __restrict u0 = x.u0;
-  const double* __restrict v0 = x.v0;
-  const double* __restrict a0 = x.a0;
-  double* __restrict u = x.u;
-  double* __restrict v = x.v;
-  double* __restrict stretched = x.stretched;
-  const double half = 0.5 * h;
-  for (std::size_t i = 0; i < x.n_dofs; ++i) {
-    v[i] = v0[i] + half * a0[i];
-    u[i] = u0[i] + h * v[i];
-    stretched[i] = u[i] + stiffness_factor * v[i];
+BlockRows::BlockRows(Mat k) {
+  const Arrays from(k);
+  const auto n = static_cast<std::size_t>(from.n_rows / 2);
+  first_.resize(n + 1);
+  for (std::size_t node = 0; node <= n; ++node) {
+    first_[node] = static_cast<std::size_t>(from.first[2 * node]) / 4;
+  }
+  columns_.resize(first_[n]);
+  values_.resize(4 * first_[n]);
+  std::vector<int> all(n);
+  for (std::size_t node = 0; node < n; ++node) all[node] = static_cast<int>(node);
+  update(k, all);
+}
+
+void BlockRows::update(Mat k, std::span<const int> nodes) {
+  const Arrays from(k);
+  for (const int node : nodes) {
+    const auto at = static_cast<std::size_t>(node);
+    const auto begin = static_cast<std::size_t>(from.first[2 * at]);
+    const auto width = static_cast<std::size_t>(from.first[2 * at + 1]) - begin;
+    if (width != 2 * (first_[at + 1] - first_[at])) {
+      *this = BlockRows(k);
+      return;
+    }
+    for (std::size_t j = 0; j < width; j += 2) {
+      const std::size_t block = first_[at] + j / 2;
+      columns_[block] = from.columns[begin + j] / 2;
+      std::memcpy(&values_[4 * block], from.values + begin + j, 2 * sizeof(double));
+      std::memcpy(&values_[4 * block + 2], from.values + begin + width + j, 2 * sizeof(double));
+    }
   }
 }
 
-void accelerate(const ExplicitArrays& x, const RowMatrix& k, double h, double mass_factor) {
+MassWork predict(const ExplicitArrays& x, double h, double stiffness_factor) {
+  const double half = 0.5 * h;
+  MassWork work;
+  for (std::size_t node = 0; node < x.n_nodes; ++node) {
+    double start = 0;
+    double middle = 0;
+    for (std::size_t i = 2 * node; i < 2 * node + 2; ++i) {
+      const double v0 = x.v0[i];
+      const double v = v0 + half * x.a0[i];
+      const double u = x.u0[i] + h * v;
+      x.v[i] = v;
+      x.u[i] = u;
+      if (stiffness_factor != 0) x.stretched[i] = u + stiffness_factor * v;
+      start += v0 * v;
+      middle += v * v;
+    }
+    work.start += x.mass[node] * start;
+    work.half += x.mass[node] * middle;
+  }
+  return work;
+}
+
+double accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double mass_factor) {
 #if defined(__x86_64__)
   static const bool avx2 = __builtin_cpu_supports("avx2");
-  if (avx2) {
-    accelerate_avx2(x, k, factors(h, mass_factor));
-    return;
-  }
+  if (avx2) return accelerate_avx2(x, k, factors(h, mass_factor));
 #endif
-  accelerate_plain(x, k, factors(h, mass_factor));
+  return accelerate_plain(x, k, factors(h, mass_factor));
 }
 
-void accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor) {
+double accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor) {
   const Factors f = factors(h, mass_factor);
-  for (std::size_t i = 0; i < x.n_dofs; ++i) integrate(x, i, force[i], f);
+  double power = 0;
+  for (std::size_t node = 0; node < x.n_nodes; ++node) {
+    power += integrate(x, node, {force[2 * node], force[2 * node + 1]}, f);
+  }
+  return power;
 }
 
 }  // namespace stylet

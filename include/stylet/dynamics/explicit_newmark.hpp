@@ -12,6 +12,7 @@
 
 #include "stylet/dynamics/maximum_tree.hpp"
 #include "stylet/dynamics/parameters.hpp"
+#include "stylet/dynamics/row_kernel.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 
 #include <vector>
@@ -48,6 +49,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   void advance(double h, Vec u, Vec v);
   void accelerate_again(std::span<const int> rows, std::span<const int> columns);
   void restore();
+  [[nodiscard]] bool is_given(int dof, std::span<const PrescribedDof> dofs) const;
   [[nodiscard]] bool places_same_dofs(const ConstraintSet& constraints) const;
   Multipliers apply(const ConstraintSet& constraints);
   void update_row_sums(std::span<const int> changed, std::span<const int> rows);
@@ -57,6 +59,8 @@ class ExplicitNewmark final : public TimeIntegrator {
   double safety_;
   RayleighDamping damping_;
   std::vector<double> root_mass_;  ///< 1/sqrt of the nodal masses of all nodes
+  std::vector<double> node_mass_;  ///< of owned nodes (kg)
+  BlockRows rows_;                 ///< on one rank
   MaximumTree row_sums_;           ///< of owned nodes, (rad/s)^2
   double largest_row_sum_ = 0;     ///< of all ranks
   OwnedTs ts_;
@@ -68,11 +72,13 @@ class ExplicitNewmark final : public TimeIntegrator {
   std::vector<PrescribedDof> dofs_;  ///< held ones and the needle's
   Trial trial_;
   std::vector<FreeValue> overridden_;
-  std::vector<int> placed_;              ///< dofs with a given place, of all ranks
-  double blow_work_ = 0;                 ///< J
+  std::vector<int> placed_;       ///< dofs with a given place, of all ranks
+  double blow_work_ = 0;          ///< J
+  double free_damping_work_ = 0;  ///< by mass damping, before contact (J)
+  double damping_work_ = 0;
   std::vector<DofValue> trial_contact_;  ///< forces of the needle just after the step (N)
   std::vector<DofValue> contact_;        ///< the same of the last accepted step
-  std::vector<int> kept_;                ///< dofs with a given place or velocity there, ascending
+  std::vector<PrescribedDof> kept_;      ///< by the needle, there
   std::vector<int> written_;  ///< entries of reaction_ and working_ that need not be zero
   OwnedVec u_;
   OwnedVec v_;

@@ -21,7 +21,8 @@ struct Trial {
   /// reaction and lambda just before and just after it, which are the forces that do work.
   Vec working = nullptr;
   double working_lambda = 0;
-  double blow_work = 0;  ///< done in this step by bringing dofs to their given places (J)
+  double blow_work = 0;     ///< done in this step by bringing dofs to their given places (J)
+  double damping_work = 0;  ///< done on the damping of mass (J)
 };
 
 class TimeIntegrator {

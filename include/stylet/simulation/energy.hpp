@@ -78,10 +78,9 @@ class EnergyLedger {
   bool inertia_;
   double end_weight_;
   bool is_explicit_;
-  /// Central difference conserves ½ v M v + ½ u K u - h²/8 a M a: the last, by which kinetic and strain
-  /// energy swing (J).
-  double swing_ = 0;
-  double h_ = 0;  ///< of the last step (s)
+  double largest_swing_;  ///< kinetic and strain energy over what was supplied, if stable
+  double swing_ = 0;      ///< by which they are above it now (J): h²/8 a M a
+  double h_ = 0;          ///< of the last step (s)
   int interval_;
   int unchecked_ = 0;
   bool checks_ = true;
