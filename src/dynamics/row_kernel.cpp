@@ -82,34 +82,49 @@ struct Factors {
   double damped;
 };
 
-inline double integrate(const ExplicitArrays& x, std::size_t node, Vector force, const Factors& f) {
-  const std::size_t i = 2 * node;
-  const double inverse = x.inverse_root[node] * x.inverse_root[node];
-  const Vector rest = x.load == nullptr ? Vector{-force.x, -force.y}
-                                        : Vector{x.load[i] - force.x, x.load[i + 1] - force.y};
-  const double power = rest.x * x.v[i] + rest.y * x.v[i + 1];
-  x.a[i] = (rest.x * inverse - f.mass_factor * x.v[i]) * f.damped;
-  x.a[i + 1] = (rest.y * inverse - f.mass_factor * x.v[i + 1]) * f.damped;
-  x.v[i] += f.half * x.a[i];
-  x.v[i + 1] += f.half * x.a[i + 1];
+// The loops of all versions; force(node) is K stretched. Locals, since stores might change the structure.
+template <class Force>
+__attribute__((always_inline)) inline double integrate(const ExplicitArrays& x,
+                                                       const Factors& f,
+                                                       Force&& force) {
+  const std::size_t n = x.n_nodes;
+  const double* const load = x.load;
+  const double* const inverse_root = x.inverse_root;
+  double* const v = x.v;
+  double* const a = x.a;
+  const auto [half, mass_factor, damped] = f;
+  double power = 0;
+  for (std::size_t node = 0; node < n; ++node) {
+    const std::size_t i = 2 * node;
+    const double inverse = inverse_root[node] * inverse_root[node];
+    Vector rest = force(node);
+    rest =
+        load == nullptr ? Vector{-rest.x, -rest.y} : Vector{load[i] - rest.x, load[i + 1] - rest.y};
+    const double v0 = v[i];
+    const double v1 = v[i + 1];
+    const double a0 = (rest.x * inverse - mass_factor * v0) * damped;
+    const double a1 = (rest.y * inverse - mass_factor * v1) * damped;
+    a[i] = a0;
+    a[i + 1] = a1;
+    v[i] = v0 + half * a0;
+    v[i + 1] = v1 + half * a1;
+    power += rest.x * v0 + rest.y * v1;
+  }
   return power;
 }
 
 double accelerate_plain(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
-  double power = 0;
-  for (std::size_t node = 0; node < x.n_nodes; ++node) {
-    power += integrate(x, node, node_force(k[node], x.stretched), f);
-  }
-  return power;
+  const auto rows = k.view();
+  const double* const s = x.stretched;
+  return integrate(x, f, [=](std::size_t node) { return node_force(rows[node], s); });
 }
 
 #if defined(__x86_64__)
 STYLET_AVX2 double accelerate_avx2(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
-  double power = 0;
-  for (std::size_t node = 0; node < x.n_nodes; ++node) {
-    power += integrate(x, node, node_force_avx2(k[node], x.stretched), f);
-  }
-  return power;
+  const auto rows = k.view();
+  const double* const s = x.stretched;
+  return integrate(x, f,
+                   [=](std::size_t node) STYLET_AVX2 { return node_force_avx2(rows[node], s); });
 }
 #endif
 
@@ -155,22 +170,30 @@ void BlockRows::update(Mat k, std::span<const int> nodes) {
 
 MassWork predict(const ExplicitArrays& x, double h, double stiffness_factor) {
   const double half = 0.5 * h;
+  const std::size_t n = x.n_nodes;
+  const double* const mass = x.mass;
+  const double* const u0 = x.u0;
+  const double* const v0 = x.v0;
+  const double* const a0 = x.a0;
+  double* const u = x.u;
+  double* const v = x.v;
+  double* const stretched = stiffness_factor != 0 ? x.stretched : nullptr;
   MassWork work;
-  for (std::size_t node = 0; node < x.n_nodes; ++node) {
+  for (std::size_t node = 0; node < n; ++node) {
     double start = 0;
     double middle = 0;
     for (std::size_t i = 2 * node; i < 2 * node + 2; ++i) {
-      const double v0 = x.v0[i];
-      const double v = v0 + half * x.a0[i];
-      const double u = x.u0[i] + h * v;
-      x.v[i] = v;
-      x.u[i] = u;
-      if (stiffness_factor != 0) x.stretched[i] = u + stiffness_factor * v;
-      start += v0 * v;
-      middle += v * v;
+      const double before = v0[i];
+      const double now = before + half * a0[i];
+      const double place = u0[i] + h * now;
+      v[i] = now;
+      u[i] = place;
+      if (stretched != nullptr) stretched[i] = place + stiffness_factor * now;
+      start += before * now;
+      middle += now * now;
     }
-    work.start += x.mass[node] * start;
-    work.half += x.mass[node] * middle;
+    work.start += mass[node] * start;
+    work.half += mass[node] * middle;
   }
   return work;
 }
@@ -184,12 +207,9 @@ double accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double 
 }
 
 double accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor) {
-  const Factors f = factors(h, mass_factor);
-  double power = 0;
-  for (std::size_t node = 0; node < x.n_nodes; ++node) {
-    power += integrate(x, node, {force[2 * node], force[2 * node + 1]}, f);
-  }
-  return power;
+  return integrate(x, factors(h, mass_factor), [=](std::size_t node) {
+    return Vector{force[2 * node], force[2 * node + 1]};
+  });
 }
 
 }  // namespace stylet

@@ -25,10 +25,15 @@ class BlockRows {
     const int* columns;    ///< nodes
     const double* values;  ///< four a block: xx, xy, yx, yy
   };
-  [[nodiscard]] Row operator[](std::size_t node) const {
-    return {first_[node + 1] - first_[node], columns_.data() + first_[node],
-            values_.data() + 4 * first_[node]};
-  }
+  struct View {
+    const std::size_t* first;
+    const int* columns;
+    const double* values;
+    Row operator[](std::size_t node) const {
+      return {first[node + 1] - first[node], columns + first[node], values + 4 * first[node]};
+    }
+  };
+  [[nodiscard]] View view() const { return {first_.data(), columns_.data(), values_.data()}; }
 
  private:
   std::vector<std::size_t> first_;

@@ -1,0 +1,171 @@
+// What a step is made of, on the reference scene's mesh refined 0 to 5 times (1226 to 1,255,424
+// triangles), on one rank. "triangles" is a counter of each row.
+#include "stylet/dynamics/explicit_newmark.hpp"
+#include "stylet/dynamics/factor.hpp"
+#include "stylet/dynamics/row_kernel.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/simulation/model.hpp"
+
+#include "support/scenes.hpp"
+
+#include <benchmark/benchmark.h>
+#include <map>
+
+namespace stylet {
+namespace {
+
+struct Tissue {
+  explicit Tissue(const Scene& from)
+      : scene(from),
+        numbered(make_mesh(MPI_COMM_WORLD, scene)),
+        tissue(make_tissue(MPI_COMM_WORLD, scene, numbered)) {}
+  Scene scene;
+  NumberedMesh numbered;
+  std::unique_ptr<TissueOperator> tissue;
+};
+
+Tissue make(benchmark::State& state, const std::vector<std::string>& overrides = {}) {
+  std::vector<std::string> all{"mesh.refine=" + std::to_string(state.range(0)),
+                               "tissue.damping={mass_factor: 200 1/s}", "time.method=explicit"};
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  Tissue tissue(reference_scene(all));
+  state.counters["triangles"] = tissue.numbered.mesh.n_cells();
+  return tissue;
+}
+
+OwnedVec ones(const TissueOperator& tissue) {
+  OwnedVec vec = tissue.make_vector();
+  check(VecSet(vec.get(), 1));
+  return vec;
+}
+
+// The memory's share: a = b + 3 c, 24 bytes an entry.
+void triad(benchmark::State& state) {
+  const auto n = static_cast<std::size_t>(1) << 24;
+  std::vector<double> a(n);
+  const std::vector<double> b(n, 1);
+  const std::vector<double> c(n, 2);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < n; ++i) a[i] = b[i] + 3 * c[i];
+    benchmark::DoNotOptimize(a.data());
+    benchmark::ClobberMemory();
+  }
+  state.SetBytesProcessed(static_cast<std::int64_t>(24 * n) * state.iterations());
+}
+
+void stiffness(benchmark::State& state, MatType type, const std::vector<std::string>& overrides) {
+  const Tissue on = make(state, overrides);
+  OwnedMat copy;
+  check(MatDuplicate(on.tissue->stiffness(), MAT_COPY_VALUES, copy.put()));
+  OwnedMat matrix;
+  check(MatConvert(copy.get(), type, MAT_INITIAL_MATRIX, matrix.put()));
+  const OwnedVec x = ones(*on.tissue);
+  OwnedVec y = on.tissue->make_vector();
+  for (auto _ : state) check(MatMult(matrix.get(), x.get(), y.get()));
+}
+
+// K u with the rest of the step.
+void explicit_passes(benchmark::State& state, const std::vector<std::string>& overrides) {
+  const Tissue on = make(state, overrides);
+  const BlockRows rows(on.tissue->stiffness());
+  const auto n = static_cast<std::size_t>(on.tissue->n_dofs());
+  std::vector<double> field[6];
+  for (auto& values : field) values.assign(n, 1e-3);
+  std::vector<double> mass;
+  std::vector<double> inverse_root;
+  const Values masses(on.tissue->lumped_mass());
+  for (int dof = 0; dof < on.tissue->n_dofs(); dof += 2) {
+    mass.push_back(masses[dof]);
+    inverse_root.push_back(1 / std::sqrt(masses[dof]));
+  }
+  const ExplicitArrays x{n / 2,           field[0].data(), field[1].data(),    field[2].data(),
+                         field[3].data(), field[4].data(), field[5].data(),    field[3].data(),
+                         nullptr,         mass.data(),     inverse_root.data()};
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(predict(x, 1e-9, 0));
+    benchmark::DoNotOptimize(accelerate(x, rows, 1e-9, 200));
+  }
+}
+
+// A node near the axis moves to and fro: mesh, K, M and the stable step follow.
+void edit(benchmark::State& state) {
+  Tissue on = make(state);
+  Mesh& mesh = on.numbered.mesh;
+  ExplicitNewmark integrator(*on.tissue, mesh, on.scene.time);
+  int node = -1;
+  for (int i = 0; i < mesh.n_nodes() && node < 0; ++i) {
+    const ReferencePoint p = mesh.point(i);
+    if (std::abs(p.x - 0.05) < 2e-3 && std::abs(p.y - 0.032) < 2e-3 && !mesh.is_locked(i)) node = i;
+  }
+  const ReferencePoint home = mesh.point(node);
+  const double size = std::sqrt(mesh.cell_measure(mesh.cells_around(node).front()));
+  const auto cells = mesh.cells_around(node);
+  const std::vector<int> touched(cells.begin(), cells.end());
+  bool away = false;
+  for (auto _ : state) {
+    away = !away;
+    mesh.move_node(node, {home.x + (away ? 0.1 * size : 0), home.y});
+    on.tissue->update(mesh, touched);
+    integrator.touched(mesh, touched);
+  }
+}
+
+void factor(benchmark::State& state) {
+  const Tissue on = make(state);
+  std::vector<PetscInt> held;
+  for (const int node : on.numbered.mesh.nodes_of("left")) {
+    held.push_back(2 * node);
+    held.push_back(2 * node + 1);
+  }
+  for (auto _ : state) {
+    Factor a(MPI_COMM_WORLD, on.tissue->n_dofs());
+    a.set_up(on.tissue->stiffness(), held);
+  }
+}
+
+void solve(benchmark::State& state) {
+  const Tissue on = make(state);
+  std::vector<PetscInt> held;
+  for (const int node : on.numbered.mesh.nodes_of("left")) {
+    held.push_back(2 * node);
+    held.push_back(2 * node + 1);
+  }
+  Factor a(MPI_COMM_WORLD, on.tissue->n_dofs());
+  a.set_up(on.tissue->stiffness(), held);
+  const OwnedVec b = ones(*on.tissue);
+  OwnedVec x = on.tissue->make_vector();
+  for (auto _ : state) a.apply(b.get(), x.get());
+}
+
+const std::vector<std::string> plain;
+const std::vector<std::string> averaged{"tissue.formulation=p1_averaged"};
+
+void register_all() {
+  using benchmark::RegisterBenchmark;
+  const auto sizes = [](auto* b, std::initializer_list<int> refine) {
+    for (const int level : refine) b->Arg(level);
+    b->Unit(benchmark::kMicrosecond);
+  };
+  sizes(RegisterBenchmark("triad", triad), {});
+  sizes(RegisterBenchmark("K_u_aij", stiffness, MATSEQAIJ, plain), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("K_u_baij", stiffness, MATSEQBAIJ, plain), {0, 2, 3});
+  sizes(RegisterBenchmark("explicit_passes", explicit_passes, plain), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("K_u_aij_averaged", stiffness, MATSEQAIJ, averaged), {0, 3});
+  sizes(RegisterBenchmark("explicit_passes_averaged", explicit_passes, averaged), {0, 3});
+  sizes(RegisterBenchmark("edit", edit), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("factor", factor), {0, 2, 3});
+  sizes(RegisterBenchmark("solve", solve), {0, 2, 3});
+}
+
+}  // namespace
+}  // namespace stylet
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  const stylet::Session session(1, argv);
+  stylet::register_all();
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}
