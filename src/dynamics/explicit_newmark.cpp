@@ -212,13 +212,14 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   });
   if (!alone) check(MatMult(tissue_.stiffness(), stretched, force_.get()));
   lend([&] {
-    const double power = alone
-                             ? accelerate(x, rows_, h, damping_.mass_factor)
-                             : accelerate(x, Values(force_.get()).data(), h, damping_.mass_factor);
+    const Power power = alone ? accelerate(x, rows_, h, damping_.mass_factor)
+                              : accelerate(x, Values(force_.get()).data(), h, damping_.mass_factor);
     // v of the half step times M v of the end, since M a is the force of the end.
     const double half = 0.5 * h;
-    const double end = mass_work.half + half * (power - damping_.mass_factor * mass_work.half) /
+    const double end = mass_work.half + half *
+                                            (power.rest - damping_.mass_factor * mass_work.half) /
                                             (1 + half * damping_.mass_factor);
+    load_work_ = h * power.load;
     free_damping_work_ = damping_.mass_factor * half * (mass_work.start + end);
   });
 }
@@ -251,13 +252,13 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
     restore();
   }
   const Multipliers multipliers = apply(constraints);
-  double works[2] = {blow_work_, damping_work_};
+  double works[3] = {blow_work_, damping_work_, load_work_};
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, works, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, works, 3, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
   }
   trial_ = {u_.get(), v_.get(),       reaction_.get(),     multipliers.lambda,
             0,        working_.get(), multipliers.working, works[0],
-            works[1]};
+            works[1], works[2]};
   return trial_;
 }
 

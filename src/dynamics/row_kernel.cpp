@@ -84,43 +84,47 @@ struct Factors {
 
 // The loops of all versions; force(node) is K stretched. Locals, since stores might change the structure.
 template <class Force>
-__attribute__((always_inline)) inline double integrate(const ExplicitArrays& x,
-                                                       const Factors& f,
-                                                       Force&& force) {
+__attribute__((always_inline)) inline Power integrate(const ExplicitArrays& x,
+                                                      const Factors& f,
+                                                      Force&& force) {
   const std::size_t n = x.n_nodes;
   const double* const load = x.load;
   const double* const inverse_root = x.inverse_root;
   double* const v = x.v;
   double* const a = x.a;
   const auto [half, mass_factor, damped] = f;
-  double power = 0;
+  Power power;
   for (std::size_t node = 0; node < n; ++node) {
     const std::size_t i = 2 * node;
     const double inverse = inverse_root[node] * inverse_root[node];
-    Vector rest = force(node);
-    rest =
-        load == nullptr ? Vector{-rest.x, -rest.y} : Vector{load[i] - rest.x, load[i + 1] - rest.y};
     const double v0 = v[i];
     const double v1 = v[i + 1];
+    Vector rest = force(node);
+    rest = {-rest.x, -rest.y};
+    if (load != nullptr) {
+      rest.x += load[i];
+      rest.y += load[i + 1];
+      power.load += load[i] * v0 + load[i + 1] * v1;
+    }
     const double a0 = (rest.x * inverse - mass_factor * v0) * damped;
     const double a1 = (rest.y * inverse - mass_factor * v1) * damped;
     a[i] = a0;
     a[i + 1] = a1;
     v[i] = v0 + half * a0;
     v[i + 1] = v1 + half * a1;
-    power += rest.x * v0 + rest.y * v1;
+    power.rest += rest.x * v0 + rest.y * v1;
   }
   return power;
 }
 
-double accelerate_plain(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
+Power accelerate_plain(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
   const auto rows = k.view();
   const double* const s = x.stretched;
   return integrate(x, f, [=](std::size_t node) { return node_force(rows[node], s); });
 }
 
 #if defined(__x86_64__)
-STYLET_AVX2 double accelerate_avx2(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
+STYLET_AVX2 Power accelerate_avx2(const ExplicitArrays& x, const BlockRows& k, const Factors& f) {
   const auto rows = k.view();
   const double* const s = x.stretched;
   return integrate(x, f,
@@ -198,7 +202,7 @@ MassWork predict(const ExplicitArrays& x, double h, double stiffness_factor) {
   return work;
 }
 
-double accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double mass_factor) {
+Power accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double mass_factor) {
 #if defined(__x86_64__)
   static const bool avx2 = __builtin_cpu_supports("avx2");
   if (avx2) return accelerate_avx2(x, k, factors(h, mass_factor));
@@ -206,7 +210,7 @@ double accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double 
   return accelerate_plain(x, k, factors(h, mass_factor));
 }
 
-double accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor) {
+Power accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor) {
   return integrate(x, factors(h, mass_factor), [=](std::size_t node) {
     return Vector{force[2 * node], force[2 * node + 1]};
   });

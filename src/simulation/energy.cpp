@@ -135,11 +135,14 @@ void EnergyLedger::add(const TissueOperator& tissue,
   const RayleighDamping damping = damped ? *tissue.damping() : RayleighDamping{};
   energies_.dissipated += end.damping_work;
   const bool damps_mass = damping.mass_factor != 0 && !is_explicit_;
-  if (!damps_mass && damping.stiffness_factor == 0 && load1 == nullptr) return;
+  energies_.external += end.load_work;
+  const bool booked = is_explicit_ && load0 == nullptr;
+  if (!damps_mass && damping.stiffness_factor == 0 && (load1 == nullptr || booked)) return;
   check(VecWAXPY(increment_.get(), -1, start.u.get(), end.u));
-  if (load1 != nullptr) {
-    energies_.external += (1 - end_weight_) * dot(load0, increment_.get()) +
-                          end_weight_ * dot(load1, increment_.get());
+  if (load1 != nullptr && !booked) {
+    const double at_end = dot(load1, increment_.get());
+    const double at_start = load0 == nullptr ? at_end : dot(load0, increment_.get());
+    energies_.external += (1 - end_weight_) * at_start + end_weight_ * at_end - end.load_work;
   }
   // In implicit schemes damping acts on the mean velocity of the step, increment / h. Explicit ones take
   // for the forces of a time the velocity of that time to damp mass, which they book themselves, and

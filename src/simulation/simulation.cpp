@@ -128,6 +128,7 @@ void Simulation::start() {
 
 void Simulation::update_load(double t) {
   if (!conditions_.has_load()) return;
+  load_changed_ = true;
   const auto force = conditions_.load(mesh(), t);
   PetscScalar* values = nullptr;
   check(VecGetArray(load_.get(), &values));
@@ -354,12 +355,14 @@ double Simulation::prescribed_work(const Trial& trial) const {
 void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
   const auto strain = integrator_->strain_energy();
   const double external = report.work + trial.blow_work + (reaction_ ? prescribed_work(trial) : 0);
-  ledger_.add(*tissue_, state_, trial, h, last_load_.get(), last_load_ ? load_.get() : nullptr,
-              external, report.dissipated);
+  const Vec load0 = load_changed_ ? last_load_.get() : nullptr;
+  ledger_.add(*tissue_, state_, trial, h, load0, last_load_ ? load_.get() : nullptr, external,
+              report.dissipated);
   if (reaction_)
     check(VecCopy(trial.working != nullptr ? trial.working : trial.reaction, reaction_.get()));
   integrator_->accept();
-  if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
+  if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
+  load_changed_ = false;
   if (strain) {
     ledger_.weigh(*strain);
   } else if (ledger_.due()) {

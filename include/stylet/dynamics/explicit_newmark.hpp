@@ -76,6 +76,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   double blow_work_ = 0;          ///< J
   double free_damping_work_ = 0;  ///< by mass damping, before contact (J)
   double damping_work_ = 0;
+  double load_work_ = 0;
   std::vector<DofValue> trial_contact_;  ///< forces of the needle just after the step (N)
   std::vector<DofValue> contact_;        ///< the same of the last accepted step
   std::vector<PrescribedDof> kept_;      ///< by the needle, there

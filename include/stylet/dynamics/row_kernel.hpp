@@ -64,11 +64,16 @@ struct MassWork {
 /// v = v0 + h/2 a0, u = u0 + h v, stretched = u + stiffness_factor v.
 MassWork predict(const ExplicitArrays& x, double h, double stiffness_factor);
 
+/// Products with the velocity of the half step.
+struct Power {
+  double load = 0;
+  double rest = 0;  ///< of load - force
+};
+
 /// force = K stretched:
 /// a = ((load - force)/mass - mass_factor v) / (1 + h/2 mass_factor), v = v + h/2 a.
-/// Returns the product of load - force and the velocity of the half step.
-double accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double mass_factor);
+Power accelerate(const ExplicitArrays& x, const BlockRows& k, double h, double mass_factor);
 /// The same where the force is known.
-double accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor);
+Power accelerate(const ExplicitArrays& x, const double* force, double h, double mass_factor);
 
 }  // namespace stylet

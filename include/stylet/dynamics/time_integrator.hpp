@@ -23,6 +23,7 @@ struct Trial {
   double working_lambda = 0;
   double blow_work = 0;     ///< done in this step by bringing dofs to their given places (J)
   double damping_work = 0;  ///< done on the damping of mass (J)
+  double load_work = 0;     ///< done by the load of its end (J)
 };
 
 class TimeIntegrator {

@@ -43,8 +43,8 @@ class EnergyLedger {
   /// What an edit added (J).
   void edited(double change) { energies_.edits += change; }
 
-  /// Collective, before the trial is accepted. load0, load1: forces at its start and end (N), or
-  /// none; external and dissipated: work by needle and prescribed curves (J).
+  /// Collective, before the trial is accepted. load0, load1: forces at its start, none if
+  /// the same, and at its end (N), or none; external and dissipated: work by needle and prescribed curves (J).
   void add(const TissueOperator& tissue,
            const State& start,
            const Trial& end,
