@@ -192,6 +192,17 @@ void EnergyLedger::compare() {
                                  mechanical - largest_swing_ * std::max(supplied, 0.0));
   worst_excess_ = std::max(worst_excess_, excess / largest_);
   if (!checks_) return;
+  if (is_explicit_ && energies_.edits > largest_) {
+    // Implicit steps relax what an interpolated field adds; explicit ones carry it on as waves.
+    char text[300];
+    std::snprintf(
+        text, sizeof text,
+        "edits of the mesh added %.4g J, more than all work done, %.4g J: this tissue is too "
+        "close to incompressible, or its elements too large, for explicit steps; take "
+        "time.method implicit",
+        energies_.edits, largest_);
+    throw NumericalError(text);
+  }
   if (std::isfinite(mechanical) && excess <= allowed_excess * largest_) return;
   char text[400];
   std::snprintf(text, sizeof text,

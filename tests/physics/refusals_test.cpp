@@ -83,6 +83,14 @@ TEST(Refusal, StepsThatDoNotResolveTheInsertion) {
             "no error");
 }
 
+TEST(Refusal, ExplicitStepsOfNearlyIncompressibleTissueNameTheEditsOfTheMesh) {
+  EXPECT_THAT(message_of<NumericalError>(
+                  pierced, {"time.method=explicit", "tissue.damping={mass_factor: 100 1/s}",
+                            "tissue.plane=strain", "tissue.regions.tissue.poisson_ratio=0.49999",
+                            "needles.0.motion.0.insert.speed=50 cm/s"}),
+              HasSubstr("edits of the mesh added"));
+}
+
 TEST(Refusal, LinearSolverThatDoesNotConverge) {
   check(PetscOptionsSetValue(nullptr, "-ksp_max_it", "1"));
   const std::string message = message_of<NumericalError>(pierced);
