@@ -21,10 +21,10 @@ constexpr int batch = 16;
 // of vectors; a distributed factor waits for the other ranks at every front, which costs more than
 // the arithmetic on small problems. Beyond that the memory of all ranks is needed: MUMPS.
 Factor::Factor(MPI_Comm comm, PetscInt n_dofs) : comm_(comm) {
-  constexpr PetscInt largest_replicated = 200000;
+  constexpr PetscInt most_copied = 3000000;  // dofs on all ranks, about 7 GB
   check(PCCreate(comm, pc_.put()));
   PC factor = pc_.get();
-  const bool replicated = size_of(comm) > 1 && n_dofs <= largest_replicated;
+  const bool replicated = size_of(comm) > 1 && n_dofs * size_of(comm) <= most_copied;
   if (replicated) {
     KSP whole = nullptr;
     check(PCSetType(pc_.get(), PCREDUNDANT));
@@ -94,6 +94,20 @@ void Factor::apply(Vec b, Vec x) const {
   check(PCApply(pc_.get(), b, x));
 }
 
+// The factor that this rank holds of the whole, or null.
+PC Factor::own_copy() const {
+  PetscBool replicated = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc_.get()), PCREDUNDANT, &replicated));
+  if (replicated == PETSC_FALSE) return nullptr;
+  KSP whole = nullptr;
+  PC own = nullptr;
+  check(PCRedundantGetKSP(pc_.get(), &whole));
+  check(KSPGetPC(whole, &own));
+  MPI_Comm comm = MPI_COMM_NULL;
+  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(own), &comm));
+  return size_of(comm) == 1 ? own : nullptr;
+}
+
 std::vector<double> Factor::inverse_entries(std::span<const int> rows,
                                             std::span<const int> columns) const {
   static const LogEvent event("StyletColumns");
@@ -103,32 +117,47 @@ std::vector<double> Factor::inverse_entries(std::span<const int> rows,
   PetscInt global = 0;
   check(VecGetOwnershipRange(work_.get(), &begin, &end));
   check(VecGetSize(work_.get(), &global));
+  PC pc = pc_.get();
+  MPI_Comm comm = comm_;
+  std::size_t from = 0;
+  std::size_t to = columns.size();
+  if (PC alone = own_copy()) {
+    // Every rank solves for some of the columns.
+    pc = alone;
+    comm = PETSC_COMM_SELF;
+    begin = 0;
+    end = global;
+    const auto ranks = static_cast<std::size_t>(size_of(comm_));
+    const auto rank = static_cast<std::size_t>(rank_of(comm_));
+    from = columns.size() * rank / ranks;
+    to = columns.size() * (rank + 1) / ranks;
+  }
   std::vector<double> entries(rows.size() * columns.size(), 0.0);
-  for (std::size_t first = 0; first < columns.size(); first += batch) {
-    const auto some = columns.subspan(first, std::min<std::size_t>(batch, columns.size() - first));
+  for (std::size_t first = from; first < to; first += batch) {
+    const auto some = columns.subspan(first, std::min<std::size_t>(batch, to - first));
     const auto n = static_cast<PetscInt>(some.size());
     OwnedMat b;
     OwnedMat x;
-    check(MatCreateDense(comm_, end - begin, PETSC_DECIDE, global, n, nullptr, b.put()));
-    check(MatCreateDense(comm_, end - begin, PETSC_DECIDE, global, n, nullptr, x.put()));
+    check(MatCreateDense(comm, end - begin, PETSC_DECIDE, global, n, nullptr, b.put()));
+    check(MatCreateDense(comm, end - begin, PETSC_DECIDE, global, n, nullptr, x.put()));
     PetscScalar* values = nullptr;
     check(MatDenseGetArray(b.get(), &values));
-    for (std::size_t j = 0; j < some.size(); ++j) {
-      if (some[j] < begin || some[j] >= end) continue;
-      values[j * static_cast<std::size_t>(end - begin) +
-             static_cast<std::size_t>(some[j] - begin)] = 1;
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      if (some[k] < begin || some[k] >= end) continue;
+      values[k * static_cast<std::size_t>(end - begin) +
+             static_cast<std::size_t>(some[k] - begin)] = 1;
     }
     check(MatDenseRestoreArray(b.get(), &values));
     check(MatAssemblyBegin(b.get(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(b.get(), MAT_FINAL_ASSEMBLY));
-    check(PCMatApply(pc_.get(), b.get(), x.get()));
+    check(PCMatApply(pc, b.get(), x.get()));
     const PetscScalar* solution = nullptr;
     check(MatDenseGetArrayRead(x.get(), &solution));
-    for (std::size_t j = 0; j < some.size(); ++j) {
+    for (std::size_t k = 0; k < some.size(); ++k) {
       for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i] < begin || rows[i] >= end) continue;
-        entries[(first + j) * rows.size() + i] =
-            solution[j * static_cast<std::size_t>(end - begin) +
+        entries[(first + k) * rows.size() + i] =
+            solution[k * static_cast<std::size_t>(end - begin) +
                      static_cast<std::size_t>(rows[i] - begin)];
       }
     }

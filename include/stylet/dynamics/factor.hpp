@@ -36,6 +36,7 @@ class Factor {
                                                     std::span<const int> columns) const;
 
  private:
+  [[nodiscard]] PC own_copy() const;
   MPI_Comm comm_;
   PetscObjectId a_id_ = 0;
   OwnedPc pc_;
