@@ -200,6 +200,19 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     if (!base_) throw stuck("its tip has reached the boundary of the tissue");
     if (base_->fell_back) ++counts_.fallbacks;
   }
+  // The first cut goes half-way to the edge ahead at once; a membrane in its way is met at the skin.
+  const double first_cut = 0.5 * base_->distance;
+  if (track_.size() == 1 && !tissue_.membrane.empty()) {
+    const auto crossing =
+        first_crossing(tissue_.membrane, base_->p, base_->r, first_cut, punctured_);
+    if (crossing) {
+      membrane_edge_ = crossing->edge;
+      tip_ = TipContact::stick;
+      hand_over_wanted_ = false;
+      remaining_ = 0;
+      return edits;
+    }
+  }
   if (hand_over_wanted_ || track_.size() == 1) {
     auto hand_over = plan_hand_over(mesh, track_, *base_, start);
     const double quality = hand_over ? hand_over->quality : 0;
@@ -226,9 +239,8 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
       return edits;
     }
     if (track_.size() == 1) {
-      const double jump = 0.5 * base_->distance;
-      remaining_ = std::max(0.0, remaining_ - jump);
-      advanced_ += jump;
+      remaining_ = std::max(0.0, remaining_ - first_cut);
+      advanced_ += first_cut;
     }
     hand_over_wanted_ = false;
     const Contact inherited = track_.nodes().back().contact;

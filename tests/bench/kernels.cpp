@@ -112,13 +112,18 @@ void edit(benchmark::State& state) {
   }
 }
 
+std::vector<PetscInt> left_of(const Tissue& on) {
+  std::vector<PetscInt> dofs;
+  for (const int node : on.numbered.mesh.nodes_of("left")) {
+    dofs.push_back(2 * node);
+    dofs.push_back(2 * node + 1);
+  }
+  return dofs;
+}
+
 void factor(benchmark::State& state) {
   const Tissue on = make(state);
-  std::vector<PetscInt> held;
-  for (const int node : on.numbered.mesh.nodes_of("left")) {
-    held.push_back(2 * node);
-    held.push_back(2 * node + 1);
-  }
+  const auto held = left_of(on);
   for (auto _ : state) {
     Factor a(MPI_COMM_WORLD, on.tissue->n_dofs());
     a.set_up(on.tissue->stiffness(), held);
@@ -127,11 +132,7 @@ void factor(benchmark::State& state) {
 
 void solve(benchmark::State& state) {
   const Tissue on = make(state);
-  std::vector<PetscInt> held;
-  for (const int node : on.numbered.mesh.nodes_of("left")) {
-    held.push_back(2 * node);
-    held.push_back(2 * node + 1);
-  }
+  const auto held = left_of(on);
   Factor a(MPI_COMM_WORLD, on.tissue->n_dofs());
   a.set_up(on.tissue->stiffness(), held);
   const OwnedVec b = ones(*on.tissue);

@@ -46,6 +46,20 @@ TEST(Needle, PushesUntilTheThreshold) {
   EXPECT_GT(bench.needle.track().size(), 1U);
 }
 
+TEST(Needle, MeetsAMembraneCloserToTheSkinThanItsFirstCut) {
+  NeedleTissue properties;  // 1 mm under the skin, elements of 1 cm
+  properties.membrane = {{0.01, 0.01}, {0.079, 0.01}, {0.079, 0.05}, {0.01, 0.05}};
+  properties.puncture_force = 3;
+  Bench bench(Mesh(tissue(8, 6)), needle_at(0.03, 0.03), properties);
+  for (int i = 0; i < 5; ++i) bench.step(0.05, 2);  // cuts, but does not puncture
+  EXPECT_TRUE(bench.needle.at_membrane());
+  EXPECT_EQ(bench.needle.counts().punctures, 0);
+  EXPECT_EQ(bench.needle.track().size(), 1U);
+  bench.step(0.05, above);
+  EXPECT_EQ(bench.needle.counts().punctures, 1);
+  EXPECT_GT(bench.needle.track().size(), 1U);
+}
+
 TEST(Needle, CutsAsFarAsItMoves) {
   // In tissue that does not give, the tip in the reference mesh is the tip in the world.
   for (const double jitter : {0.0, 0.25}) {
