@@ -172,6 +172,7 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
     OwnedMat matrix;
     check(MatCreateAIJ(comm_, 2 * n_owned, 2 * n_owned, n_dofs(), n_dofs(), 0, d.data(), 0,
                        o.data(), matrix.put()));
+    check(MatSetBlockSize(matrix.get(), 2));
     check(MatSetOption(matrix.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
@@ -184,7 +185,21 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
   } else {
     lumped_ = make_vector();
   }
-  if (tangent_) tangent_ = make(stiffness_columns_, 2);
+  // Multigrid builds its coarse spaces from the rigid-body motions.
+  OwnedVec places = make_vector();
+  check(VecSetBlockSize(places.get(), 2));
+  for (int node = begin_; node < end_; ++node) {
+    const PetscScalar xy[2] = {mesh.point(node).x, mesh.point(node).y};
+    check(VecSetValuesBlocked(places.get(), 1, &node, xy, INSERT_VALUES));
+  }
+  check(VecAssemblyBegin(places.get()));
+  check(VecAssemblyEnd(places.get()));
+  check(MatNullSpaceCreateRigidBody(places.get(), rigid_.put()));
+  check(MatSetNearNullSpace(stiffness_.get(), rigid_.get()));
+  if (tangent_) {
+    tangent_ = make(stiffness_columns_, 2);
+    check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
+  }
   std::vector<int> all(static_cast<std::size_t>(n_owned));
   std::iota(all.begin(), all.end(), begin_);
   fill(mesh, all);
@@ -348,6 +363,7 @@ Combination TissueOperator::tangent(double shift_v, double shift_a) const {
 void TissueOperator::make_tangent(Combination combination) {
   tangent_combination_ = combination;
   check(MatDuplicate(stiffness_.get(), MAT_COPY_VALUES, tangent_.put()));
+  check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
   check(MatSetOption(tangent_.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
   check(MatScale(tangent_.get(), combination.stiffness));
   if (mass_) {

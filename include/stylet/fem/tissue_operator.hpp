@@ -127,6 +127,7 @@ class TissueOperator {
   std::vector<std::vector<int>> stiffness_columns_;
   std::vector<std::vector<int>> mass_columns_;
   OwnedMat stiffness_;
+  OwnedNullSpace rigid_;
   OwnedMat mass_;
   OwnedVec lumped_;
   OwnedMat tangent_;

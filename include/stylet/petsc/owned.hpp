@@ -44,5 +44,6 @@ using OwnedKsp = Owned<KSP, KSPDestroy>;
 using OwnedPc = Owned<PC, PCDestroy>;
 using OwnedTs = Owned<TS, TSDestroy>;
 using OwnedIs = Owned<IS, ISDestroy>;
+using OwnedNullSpace = Owned<MatNullSpace, MatNullSpaceDestroy>;
 
 }  // namespace stylet
