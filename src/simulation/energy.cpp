@@ -135,14 +135,16 @@ void EnergyLedger::add(const TissueOperator& tissue,
   const RayleighDamping damping = damped ? *tissue.damping() : RayleighDamping{};
   energies_.dissipated += end.damping_work;
   const bool damps_mass = damping.mass_factor != 0 && !is_explicit_;
-  energies_.external += end.load_work;
-  const bool booked = is_explicit_ && load0 == nullptr;
-  if (!damps_mass && damping.stiffness_factor == 0 && (load1 == nullptr || booked)) return;
+  // A load that stands has its work from the pass of the explicit step.
+  const bool passed = is_explicit_ && load0 == nullptr;
+  if (passed) energies_.external += end.load_work;
+  const bool loaded = load1 != nullptr && !passed;
+  if (!damps_mass && damping.stiffness_factor == 0 && !loaded) return;
   check(VecWAXPY(increment_.get(), -1, start.u.get(), end.u));
-  if (load1 != nullptr && !booked) {
+  if (loaded) {
     const double at_end = dot(load1, increment_.get());
     const double at_start = load0 == nullptr ? at_end : dot(load0, increment_.get());
-    energies_.external += (1 - end_weight_) * at_start + end_weight_ * at_end - end.load_work;
+    energies_.external += (1 - end_weight_) * at_start + end_weight_ * at_end;
   }
   // In implicit schemes damping acts on the mean velocity of the step, increment / h. Explicit ones take
   // for the forces of a time the velocity of that time to damp mass, which they book themselves, and

@@ -129,6 +129,7 @@ void Simulation::start() {
 void Simulation::update_load(double t) {
   if (!conditions_.has_load()) return;
   load_changed_ = true;
+  load_time_ = t;
   const auto force = conditions_.load(mesh(), t);
   PetscScalar* values = nullptr;
   check(VecGetArray(load_.get(), &values));
@@ -298,10 +299,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   trial = integrator_->finish(active == nullptr || conditions_.has_load() ||
                               !scene_.prescribed.empty() || ends_settled);
   if (active != nullptr) {
-    report = active->commit(
-        mesh(), start_view(shaft), trial_view(shaft, trial),
-        {trial.lambda, trial.working != nullptr ? trial.working_lambda : trial.lambda},
-        ledger_.end_weight());
+    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial),
+                            {trial.lambda, trial.working_multiplier()}, ledger_.end_weight());
   }
   accept(trial, step.h, report);
   if (active != nullptr) {
@@ -342,7 +341,7 @@ double Simulation::prescribed_work(const Trial& trial) const {
   const double end = ledger_.end_weight();
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
-      const Vec vectors[4] = {reaction_.get(), trial.reaction, state_.u.get(), trial.u};
+      const Vec vectors[4] = {reaction_.get(), trial.working_reaction(), state_.u.get(), trial.u};
       const auto values = gather(vectors, conditions_.curve_dofs(i, k));
       for (std::size_t n = 0; n < values[0].size(); ++n) {
         work += ((1 - end) * values[0][n] + end * values[1][n]) * (values[3][n] - values[2][n]);
@@ -358,8 +357,7 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
   const Vec load0 = load_changed_ ? last_load_.get() : nullptr;
   ledger_.add(*tissue_, state_, trial, h, load0, last_load_ ? load_.get() : nullptr, external,
               report.dissipated);
-  if (reaction_)
-    check(VecCopy(trial.working != nullptr ? trial.working : trial.reaction, reaction_.get()));
+  if (reaction_) check(VecCopy(trial.working_reaction(), reaction_.get()));
   integrator_->accept();
   if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
   load_changed_ = false;
@@ -425,6 +423,7 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
     set(state_.a.get(), move.state.a);
   }
   if (tissue_->update(mesh, touched)) ++counts_.pattern_rebuilds;
+  if (conditions_.has_body_force()) update_load(load_time_);
   integrator_->touched(mesh, touched);
   ledger_.edited(ledger_.within(*tissue_, rows, state_) - before);
   relocate(mesh, touched, membrane_);
@@ -434,7 +433,6 @@ void Simulation::apply(const NeedleEdits& edits, bool repair) {
     relocate(mesh, touched, one);
     seed.place = one.front();
   }
-  if (conditions_.has_body_force()) update_load(state_.t);
 }
 
 NeedleView Simulation::start_view(std::span<const int> nodes) const {
@@ -450,8 +448,7 @@ NeedleView Simulation::start_view(std::span<const int> nodes) const {
 }
 
 TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
-  const Vec working = trial.working != nullptr ? trial.working : trial.reaction;
-  const Vec vectors[4] = {trial.u, trial.v, trial.reaction, working};
+  const Vec vectors[4] = {trial.u, trial.v, trial.reaction, trial.working_reaction()};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {

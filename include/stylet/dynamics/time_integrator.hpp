@@ -21,6 +21,10 @@ struct Trial {
   /// reaction and lambda just before and just after it, which are the forces that do work.
   Vec working = nullptr;
   double working_lambda = 0;
+  [[nodiscard]] Vec working_reaction() const { return working != nullptr ? working : reaction; }
+  [[nodiscard]] double working_multiplier() const {
+    return working != nullptr ? working_lambda : lambda;
+  }
   double blow_work = 0;     ///< done in this step by bringing dofs to their given places (J)
   double damping_work = 0;  ///< done on the damping of mass (J)
   double load_work = 0;     ///< done by the load of its end (J)

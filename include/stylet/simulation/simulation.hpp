@@ -132,6 +132,7 @@ class Simulation {
   State state_;
   OwnedVec load_;
   OwnedVec last_load_;
+  double load_time_ = 0;       ///< time that load_ is of (s)
   bool load_changed_ = false;  ///< since the last accepted step
   std::vector<PrescribedDof> base_;
   OwnedVec reaction_;  ///< of the last step, where curves are prescribed
