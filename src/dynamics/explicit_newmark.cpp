@@ -3,7 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/dynamics/central_difference_ts.hpp"
-#include "stylet/dynamics/row_kernel.hpp"
+#include "stylet/dynamics/explicit_step.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
@@ -37,7 +37,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += 2) {
     node_mass_.push_back(masses[static_cast<std::size_t>(dof)]);
   }
-  if (size_of(tissue.comm()) == 1) rows_ = BlockRows(tissue.stiffness());
+  if (size_of(tissue.comm()) == 1) cells_ = CellKernel(mesh, tissue);
   row_sums_ = MaximumTree(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
   std::vector<int> all(root_mass_.size());
   std::iota(all.begin(), all.end(), 0);
@@ -67,7 +67,7 @@ double ExplicitNewmark::stable_step() const {
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   const auto changed = tissue_.rows_of(mesh, cells);
   const auto rows = tissue_.coupled(mesh, changed);
-  if (size_of(tissue_.comm()) == 1) rows_.update(tissue_.stiffness(), changed);
+  if (size_of(tissue_.comm()) == 1) cells_.update(mesh, tissue_, cells);
   update_row_sums(changed, rows);
   if (state_ != nullptr) accelerate_again(changed, rows);
 }
@@ -161,11 +161,19 @@ void ExplicitNewmark::begin(State& state, Vec load, double h, std::span<const Pr
 
 void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   const double stiffness_factor = damping_.stiffness_factor;
-  const bool alone = size_of(tissue_.comm()) == 1;
-  const Vec stretched = stiffness_factor != 0 ? stretched_.get() : u;
   PetscReal load_size = 0;
   check(VecNorm(load_, NORM_INFINITY, &load_size));  // remembered by PETSc while nothing changes
-  ExplicitArrays x{};
+  placed_.clear();
+  given_.clear();
+  for (const auto& c : dofs_) {
+    if (c.velocity) continue;
+    placed_.push_back(c.dof);
+    if (!tissue_.owns(c.dof / 2)) continue;
+    given_.push_back({static_cast<std::size_t>(c.dof - tissue_.first_dof()), c.value});
+  }
+  std::ranges::sort(given_, {}, &GivenPlace::dof);
+  const ExplicitFactors factors{h, damping_.mass_factor, stiffness_factor};
+  StepSums sums;
   const auto lend = [&](auto&& then) {
     const Values u0(state_->u.get());
     const Values v0(state_->v.get());
@@ -176,52 +184,27 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
     Entries a1(a_.get());
     Entries s(stretched_.get());
     const auto first = static_cast<std::size_t>(tissue_.first_dof() / 2);
-    x = {node_mass_.size(),
-         u0.data(),
-         v0.data(),
-         a0.data(),
-         u1.data(),
-         v1.data(),
-         a1.data(),
-         stiffness_factor != 0 ? s.data() : u1.data(),
-         load_size > 0 ? load.data() : nullptr,
-         node_mass_.data(),
-         root_mass_.data() + first};
-    then();
+    then(ExplicitArrays{node_mass_.size(), u0.data(), v0.data(), a0.data(), u1.data(), v1.data(),
+                        a1.data(), stiffness_factor != 0 ? s.data() : u1.data(),
+                        load_size > 0 ? load.data() : nullptr, node_mass_.data(),
+                        root_mass_.data() + first});
   };
-  MassWork mass_work;
-  lend([&] {
-    mass_work = predict(x, h, stiffness_factor);
-    placed_.clear();
-    blow_work_ = 0;
-    for (const auto& c : dofs_) {
-      if (c.velocity) continue;
-      placed_.push_back(c.dof);
-      if (c.dof < tissue_.first_dof() || c.dof >= tissue_.end_dof()) continue;
-      const int i = c.dof - tissue_.first_dof();
-      const double mass = x.mass[i / 2];
-      const double given = (c.value - x.u0[i]) / h;
-      const double squares = mass * (given * given - x.v[i] * x.v[i]);
-      blow_work_ += 0.5 * squares;
-      mass_work.start += mass * x.v0[i] * (given - x.v[i]);
-      mass_work.half += squares;
-      x.u[i] = c.value;
-      x.v[i] = given;
-      x.stretched[i] = c.value + stiffness_factor * given;
-    }
-  });
-  if (!alone) check(MatMult(tissue_.stiffness(), stretched, force_.get()));
-  lend([&] {
-    const Power power = alone ? accelerate(x, rows_, h, damping_.mass_factor)
-                              : accelerate(x, Values(force_.get()).data(), h, damping_.mass_factor);
-    // v of the half step times M v of the end, since M a is the force of the end.
-    const double half = 0.5 * h;
-    const double end = mass_work.half + half *
-                                            (power.rest - damping_.mass_factor * mass_work.half) /
-                                            (1 + half * damping_.mass_factor);
-    load_work_ = h * power.load;
-    free_damping_work_ = damping_.mass_factor * half * (mass_work.start + end);
-  });
+  if (size_of(tissue_.comm()) == 1) {
+    lend([&](const ExplicitArrays& x) { step(x, factors, cells_, given_, pressure_, sums); });
+  } else {
+    lend([&](const ExplicitArrays& x) { predict(x, factors, given_, sums); });
+    check(MatMult(tissue_.stiffness(), stiffness_factor != 0 ? stretched_.get() : u, force_.get()));
+    lend([&](const ExplicitArrays& x) {
+      accelerate(x, factors, Values(force_.get()).data(), sums);
+    });
+  }
+  // v of the half step times M v of the end, since M a is the force of the end.
+  const double half = 0.5 * h;
+  const double end = sums.half + half * (sums.rest - damping_.mass_factor * sums.half) /
+                                     (1 + half * damping_.mass_factor);
+  blow_work_ = sums.blow;
+  load_work_ = h * sums.load;
+  free_damping_work_ = damping_.mass_factor * half * (sums.start + end);
 }
 
 void ExplicitNewmark::restore() {

@@ -10,9 +10,9 @@
 // step. The forces of contact are those that bring the free velocities to the given ones.
 #pragma once
 
+#include "stylet/dynamics/explicit_step.hpp"
 #include "stylet/dynamics/maximum_tree.hpp"
 #include "stylet/dynamics/parameters.hpp"
-#include "stylet/dynamics/row_kernel.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 
 #include <vector>
@@ -60,7 +60,8 @@ class ExplicitNewmark final : public TimeIntegrator {
   RayleighDamping damping_;
   std::vector<double> root_mass_;  ///< 1/sqrt of the nodal masses of all nodes
   std::vector<double> node_mass_;  ///< of owned nodes (kg)
-  BlockRows rows_;                 ///< on one rank
+  CellKernel cells_;               ///< on one rank
+  std::vector<double> pressure_;   ///< room for it
   MaximumTree row_sums_;           ///< of owned nodes, (rad/s)^2
   double largest_row_sum_ = 0;     ///< of all ranks
   OwnedTs ts_;
@@ -72,9 +73,10 @@ class ExplicitNewmark final : public TimeIntegrator {
   std::vector<PrescribedDof> dofs_;  ///< held ones and the needle's
   Trial trial_;
   std::vector<FreeValue> overridden_;
-  std::vector<int> placed_;       ///< dofs with a given place, of all ranks
-  double blow_work_ = 0;          ///< J
-  double free_damping_work_ = 0;  ///< by mass damping, before contact (J)
+  std::vector<int> placed_;        ///< dofs with a given place, of all ranks
+  std::vector<GivenPlace> given_;  ///< the owned ones, by local index, ascending
+  double blow_work_ = 0;           ///< J
+  double free_damping_work_ = 0;   ///< by mass damping, before contact (J)
   double damping_work_ = 0;
   double load_work_ = 0;
   std::vector<DofValue> trial_contact_;  ///< forces of the needle just after the step (N)

@@ -1,0 +1,79 @@
+// The triangles as K u of an explicit step needs them, on one rank: four at a time, with stored
+// gradients, in the order of their lowest node. A triangle's data are half of the bytes of its share of
+// K's blocks, and a fifth where the dilatation is averaged.
+#pragma once
+
+#include "stylet/fem/tissue_operator.hpp"
+#include "stylet/mesh/mesh.hpp"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace stylet {
+
+class CellKernel {
+ public:
+  static constexpr std::size_t lanes = 4;
+  static constexpr std::size_t block = 128;  ///< nodes
+
+  /// Corner a's gradient g_a, times s = sqrt(mu |T|): of corners 0 and 1 as (x, y, x, y); the third's
+  /// is minus their sum. volume: lambda / mu, or sqrt(|T| / mu) / 3 if the dilatation is averaged.
+  struct Group {
+    int node[3][lanes];
+    double gradient[4][lanes];
+    double volume[lanes];
+  };
+  /// Shares of the dilatation that the corners take part in (VolumePatch).
+  struct Patches {
+    int patch[3][lanes];
+  };
+
+  CellKernel() = default;
+  CellKernel(const Mesh& mesh, const TissueOperator& tissue);
+  /// Takes these cells anew; constant time for each.
+  void update(const Mesh& mesh, const TissueOperator& tissue, std::span<const int> cells);
+
+  [[nodiscard]] bool averaged() const { return averaged_; }
+  [[nodiscard]] std::size_t n_blocks() const { return reach_.size(); }
+  /// Cells of block k have nodes from k * block to reach(k) - 1.
+  [[nodiscard]] std::size_t reach(std::size_t k) const { return reach_[k]; }
+  /// Calls each(group index) for the groups of a block.
+  template <class Each>
+  __attribute__((always_inline)) void groups_of(std::size_t k, Each&& each) const {
+    for (std::size_t g = first_group_[k]; g < first_group_[k + 1]; ++g) each(g);
+    for (int g = moved_[k]; g >= 0;
+         g = next_moved_[static_cast<std::size_t>(g) - first_group_.back()]) {
+      each(static_cast<std::size_t>(g));
+    }
+  }
+  [[nodiscard]] const Group* groups() const { return groups_.data(); }
+  [[nodiscard]] const Patches* patches() const { return patches_.data(); }
+  /// Of each patch, thickness / W_n: patch n is node n's, or its first one's; the rest come last, with
+  /// their nodes ascending.
+  [[nodiscard]] const std::vector<double>& stiffnesses() const { return patch_stiffness_; }
+  [[nodiscard]] const std::vector<int>& further_patches() const { return further_node_; }
+
+ private:
+  std::size_t add_group(std::size_t of);
+  void put(std::size_t slot, const Mesh& mesh, const TissueOperator& tissue, int cell);
+  [[nodiscard]] int patch_of(const Mesh& mesh, int node, int region) const;
+  void weigh(const Mesh& mesh, const TissueOperator& tissue, int node);
+
+  bool averaged_ = false;
+  std::vector<Group> groups_;     ///< in order, then those of cells that flips took out of it
+  std::vector<Patches> patches_;  ///< of the groups, if averaged
+  std::vector<std::size_t> group_block_;
+  std::vector<std::size_t> first_group_;  ///< of a block
+  std::vector<std::size_t> reach_;
+  std::vector<int> moved_;  ///< of a block, its last group out of order, or -1
+  std::vector<int> next_moved_;
+  std::vector<std::size_t> slot_;  ///< of a cell: lanes * group + lane
+  std::vector<double> patch_stiffness_;
+  std::vector<int> further_node_;
+  std::vector<int> further_region_;
+  std::vector<int> first_region_;  ///< of patches 0 .. n_nodes - 1
+};
+
+}  // namespace stylet
