@@ -171,7 +171,10 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
     if (!tissue_.owns(c.dof / 2)) continue;
     given_.push_back({static_cast<std::size_t>(c.dof - tissue_.first_dof()), c.value});
   }
-  std::ranges::sort(given_, {}, &GivenPlace::dof);
+  // Those that are held come first and ascend.
+  const auto needle = std::ranges::is_sorted_until(given_, {}, &GivenPlace::dof) - given_.begin();
+  std::ranges::sort(given_.begin() + needle, given_.end(), {}, &GivenPlace::dof);
+  std::ranges::inplace_merge(given_, given_.begin() + needle, {}, &GivenPlace::dof);
   const ExplicitFactors factors{h, damping_.mass_factor, stiffness_factor};
   StepSums sums;
   const auto lend = [&](auto&& then) {
