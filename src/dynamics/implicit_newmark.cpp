@@ -34,7 +34,7 @@ ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& p
       inertia_(parameters.method != TimeMethod::quasi_static),
       k_(coefficients(parameters.scheme, parameters.rho_infinity)) {
   if (!inertia_) k_ = {0, 0, 1, 0, 1};
-  if (Factor::exact()) {
+  if (NearField::serves(tissue.comm(), tissue.n_dofs())) {
     near_.emplace(tissue.comm(), tissue.n_dofs());
   } else {
     solver_.emplace(tissue.comm());

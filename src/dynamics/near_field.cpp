@@ -1,7 +1,6 @@
 #include "stylet/dynamics/near_field.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace stylet {
 
@@ -45,31 +45,39 @@ std::vector<double> product(const std::vector<double>& symmetric, std::span<cons
 
 }  // namespace
 
+bool NearField::serves(MPI_Comm comm, PetscInt n_dofs) {
+  char* all = nullptr;
+  check(PetscOptionsGetAll(nullptr, &all));
+  const std::string options = all;
+  check(PetscFree(all));
+  for (const char* solver : {"-ksp_", "-pc_"}) {
+    if (options.find(solver) != std::string::npos) return false;
+  }
+  return Cholesky::fits(comm, n_dofs);
+}
+
 bool NearField::wants_factor() const {
   if (stale_) return true;
   // A factorisation costs about n^1.5, dense algebra the third power of the near dofs.
   constexpr std::size_t least = 60;
   constexpr std::size_t most = 400;
-  PetscInt n = 0;
-  check(VecGetSize(y_.get(), &n));
-  const auto limit = static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(n)));
+  const auto limit = static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(n_dofs_)));
   return changed_.size() > std::clamp(limit, least, most);
 }
 
 void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   held_.clear();
-  if (!y_) {
-    for (OwnedVec* vec : {&y_, &work_, &correction_}) check(MatCreateVecs(a, vec->put(), nullptr));
-  }
+  if (!correction_) check(MatCreateVecs(a, correction_.put(), nullptr));
   PetscInt begin = 0;
   PetscInt end = 0;
-  check(VecGetOwnershipRange(y_.get(), &begin, &end));
+  check(VecGetOwnershipRange(correction_.get(), &begin, &end));
   std::vector<PetscInt> owned;
   for (const auto& c : held) {
     held_.insert(c.dof);
     if (c.dof >= begin && c.dof < end) owned.push_back(c.dof - begin);
   }
-  factor_.set_up(a, owned);
+  factored_.take(a, owned);
+  factor_.factor(factored_.matrix());
   stale_ = false;
   dofs_.clear();
   index_.clear();
@@ -152,8 +160,7 @@ void NearField::grow(std::span<const int> dofs) {
   for (std::size_t i = 0; i < k_.size(); ++i) k_[i] += s_[i];
   l_.assign(all * all, 0.0);
   valid_ = 0;
-  const Vec vectors[1] = {y_.get()};
-  const auto values = gather(vectors, dofs)[0];
+  const auto values = factor_.loaded(dofs);
   y_near_.insert(y_near_.end(), values.begin(), values.end());
   s_y_ = product(s_, y_near_);
 }
@@ -177,8 +184,8 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
   const auto n_rows = static_cast<PetscInt>(rows.size());
   const auto n_columns = static_cast<PetscInt>(m);
   check(MatGetValues(a, n_rows, rows.data(), n_columns, columns.data(), now.data()));
-  check(
-      MatGetValues(factor_.matrix(), n_rows, rows.data(), n_columns, columns.data(), then.data()));
+  check(MatGetValues(factored_.matrix(), n_rows, rows.data(), n_columns, columns.data(),
+                     then.data()));
   std::vector<double> e(m * m, 0.0);
   for (std::size_t i = 0, r = 0; i < m && r < rows.size(); ++i) {
     if (columns[i] != rows[r]) continue;
@@ -205,16 +212,13 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
 }
 
 void NearField::load(Vec b) {
-  static const LogEvent event("StyletSolve");
-  const LogScope scope(event);
-  factor_.apply(b, y_.get());
-  const Vec vectors[1] = {y_.get()};
-  y_near_ = gather(vectors, dofs_)[0];
+  factor_.load(b);
+  y_near_ = factor_.loaded(dofs_);
   s_y_ = product(s_, y_near_);
 }
 
 void NearField::unload() {
-  check(VecSet(y_.get(), 0));
+  factor_.unload();
   y_near_.assign(size(), 0.0);
   s_y_.assign(size(), 0.0);
 }

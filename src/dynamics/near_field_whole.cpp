@@ -4,8 +4,6 @@
 #include "stylet/dynamics/near_field.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
-#include "stylet/petsc/log.hpp"
-#include "stylet/petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,27 +12,13 @@
 namespace stylet {
 
 void NearField::respond(std::span<const double> forces, Vec x) {
-  static const LogEvent event("StyletSolve");
-  const LogScope scope(event);
-  check(VecSet(work_.get(), 0));
-  {
-    Entries entries(work_.get());
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-      if (entries.owns(dofs_[i])) entries[dofs_[i]] = forces[i];
-    }
-  }
-  factor_.apply(work_.get(), x);
+  factor_.respond(std::span(dofs_).first(forces.size()), forces, false, x);
 }
 
 void NearField::expand(std::span<const double> x_near, Vec x) {
-  if (size() == 0) {
-    check(VecCopy(y_.get(), x));
-    return;
-  }
   std::vector<double> difference(x_near.begin(), x_near.end());
   for (std::size_t i = 0; i < size(); ++i) difference[i] -= y_near_[i];
-  respond(factored_forces(difference), x);
-  check(VecAXPY(x, 1, y_.get()));
+  factor_.respond(dofs_, factored_forces(difference), true, x);
 }
 
 // Iterative refinement: the factor is of an older operator and the dense matrices have been updated

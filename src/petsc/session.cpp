@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <omp.h>
 #include <string>
 #include <thread>
 
@@ -26,6 +27,9 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   // Errors are returned and become exceptions (check); PETSc's own traceback would repeat them.
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   check(PetscPopSignalHandler());
+  // One thread a rank: CHOLMOD's loops over a front take four, whatever OMP_NUM_THREADS says, and a
+  // third longer for it.
+  omp_set_max_active_levels(0);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is a failed write, not an end
 }
 

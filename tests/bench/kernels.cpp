@@ -2,7 +2,7 @@
 // triangles), on one rank. "triangles" is a counter of each row.
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/explicit_step.hpp"
-#include "stylet/dynamics/factor.hpp"
+#include "stylet/dynamics/near_field.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
@@ -152,32 +152,60 @@ void edit(benchmark::State& state) {
   }
 }
 
-std::vector<PetscInt> left_of(const Tissue& on) {
-  std::vector<PetscInt> dofs;
-  for (const int node : on.numbered.mesh.nodes_of("left")) {
-    dofs.push_back(2 * node);
-    dofs.push_back(2 * node + 1);
+struct Factored {
+  explicit Factored(const Tissue& on) : operator_(), factor(MPI_COMM_WORLD, on.tissue->n_dofs()) {
+    std::vector<PetscInt> left;
+    for (const int node : on.numbered.mesh.nodes_of("left")) {
+      left.push_back(2 * node);
+      left.push_back(2 * node + 1);
+    }
+    operator_.take(on.tissue->stiffness(), left);
+    factor.factor(operator_.matrix());
   }
-  return dofs;
-}
+  Eliminated operator_;
+  Cholesky factor;
+};
 
 void factor(benchmark::State& state) {
   const Tissue on = make(state);
-  const auto held = left_of(on);
-  for (auto _ : state) {
-    Factor a(MPI_COMM_WORLD, on.tissue->n_dofs());
-    a.set_up(on.tissue->stiffness(), held);
-  }
+  for (auto _ : state) Factored a(on);
 }
 
+// Dofs of the nodes about the needle's axis.
+std::vector<int> dofs_of_path(const Mesh& mesh) {
+  const double size = std::sqrt(mesh.cell_measure(0));
+  std::vector<int> nodes;
+  for (int i = 0; i < mesh.n_nodes(); ++i) {
+    const ReferencePoint p = mesh.point(i);
+    if (p.x > 0.035 && std::abs(p.y - 0.032) < 1.5 * size) nodes.push_back(i);
+  }
+  return dofs_of(nodes);
+}
+
+// Before and after the trials of an implicit step, with all of the path near.
 void solve(benchmark::State& state) {
   const Tissue on = make(state);
-  const auto held = left_of(on);
-  Factor a(MPI_COMM_WORLD, on.tissue->n_dofs());
-  a.set_up(on.tissue->stiffness(), held);
+  Factored a(on);
+  const auto near = dofs_of_path(on.numbered.mesh);
+  const std::vector<double> forces(near.size(), 1.0);
   const OwnedVec b = ones(*on.tissue);
   OwnedVec x = on.tissue->make_vector();
-  for (auto _ : state) a.apply(b.get(), x.get());
+  for (auto _ : state) {
+    a.factor.load(b.get());
+    benchmark::DoNotOptimize(a.factor.loaded(near));
+    a.factor.respond(near, forces, true, x.get());
+  }
+  state.counters["near"] = static_cast<double>(near.size());
+}
+
+// Ten of them at all of the path.
+void columns(benchmark::State& state) {
+  const Tissue on = make(state);
+  Factored a(on);
+  const auto near = dofs_of_path(on.numbered.mesh);
+  const auto some = std::span(near).first(10);
+  for (auto _ : state) benchmark::DoNotOptimize(a.factor.inverse_entries(near, some));
+  state.counters["near"] = static_cast<double>(near.size());
 }
 
 const std::vector<std::string> plain;
@@ -198,7 +226,8 @@ void register_all() {
   sizes(RegisterBenchmark("explicit_step_averaged", explicit_step, averaged), {0, 2, 3, 5});
   sizes(RegisterBenchmark("edit", edit), {0, 2, 3, 5});
   sizes(RegisterBenchmark("factor", factor), {0, 2, 3});
-  sizes(RegisterBenchmark("solve", solve), {0, 2, 3});
+  sizes(RegisterBenchmark("solve", solve), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("columns", columns), {0, 2, 3, 5});
 }
 
 }  // namespace

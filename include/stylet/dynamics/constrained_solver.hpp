@@ -44,7 +44,6 @@ class ConstrainedSolver {
 
   /// The next solve factors again (a new time step, a new operator).
   void forget() { stale_ = true; }
-  [[nodiscard]] int n_set_ups() const { return factor_ ? factor_->n_set_ups() : 0; }
 
  private:
   static PetscErrorCode multiply(Mat shell, Vec x, Vec y);

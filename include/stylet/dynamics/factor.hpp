@@ -1,14 +1,13 @@
-// A direct factor, or any other PC, of an operator with some dofs eliminated.
+// A preconditioner made from an operator with some dofs eliminated: a direct factor, or what PETSc's
+// options -pc_* ask for.
 #pragma once
 
-#include "stylet/petsc/owned.hpp"
+#include "stylet/dynamics/eliminated.hpp"
 
 #include <span>
-#include <vector>
 
 namespace stylet {
 
-/// PETSc options -pc_* choose another PC.
 class Factor {
  public:
   /// Collective. n_dofs: of all ranks.
@@ -17,31 +16,16 @@ class Factor {
   Factor& operator=(const Factor&) = delete;
   ~Factor() = default;
 
-  /// True if `apply` will solve exactly, but for round-off, and nothing asks for an iteration: no
-  /// option -ksp_* and no other PC than a factorisation.
-  [[nodiscard]] static bool exact();
-
-  /// Collective. Copies A, replaces rows and columns of owned eliminated dofs (local indices) by a
-  /// diagonal, and factors. Throws NumericalError if that is singular or indefinite.
+  /// Collective. eliminated: owned dofs (local indices). Throws NumericalError if A is singular or
+  /// indefinite and the preconditioner minds.
   void set_up(Mat a, std::span<const PetscInt> eliminated);
-  /// The operator that was factored.
-  [[nodiscard]] Mat matrix() const { return eliminated_.get(); }
-  [[nodiscard]] int n_set_ups() const { return n_set_ups_; }
 
   /// Collective. x = inverse times b.
   void apply(Vec b, Vec x) const;
 
-  /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
-  [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
-                                                    std::span<const int> columns) const;
-
  private:
-  [[nodiscard]] PC own_copy() const;
-  MPI_Comm comm_;
-  PetscObjectId a_id_ = 0;
   OwnedPc pc_;
-  OwnedMat eliminated_;
-  OwnedVec work_;
+  Eliminated operator_;
   int n_set_ups_ = 0;
 };
 

@@ -49,7 +49,6 @@ class ImplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
-  [[nodiscard]] int n_set_ups() const { return near_ ? near_->n_set_ups() : solver_->n_set_ups(); }
 
  private:
   void predict();

@@ -12,8 +12,9 @@
 // ranks hold the dense matrices and compute the same.
 #pragma once
 
+#include "stylet/dynamics/cholesky.hpp"
 #include "stylet/dynamics/constraint_set.hpp"
-#include "stylet/dynamics/factor.hpp"
+#include "stylet/dynamics/eliminated.hpp"
 
 #include <span>
 #include <unordered_map>
@@ -25,7 +26,11 @@ namespace stylet {
 class NearField {
  public:
   /// Collective.
-  NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), factor_(comm, n_dofs) {}
+  NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_dofs_(n_dofs), factor_(comm, n_dofs) {}
+
+  /// Collective. True if the ranks' memory allows it and no option -ksp_* or -pc_* asks for another
+  /// solver.
+  [[nodiscard]] static bool serves(MPI_Comm comm, PetscInt n_dofs);
 
   /// Collective. New factor with these dofs eliminated (of all ranks); no near dofs.
   void factor(Mat a, std::span<const PrescribedDof> held);
@@ -33,7 +38,6 @@ class NearField {
   void forget() { stale_ = true; }
   /// True if there is no factor, or so many near dofs were `changed` that a new one pays.
   [[nodiscard]] bool wants_factor() const;
-  [[nodiscard]] int n_set_ups() const { return factor_.n_set_ups(); }
 
   [[nodiscard]] bool eliminated(int dof) const { return held_.contains(dof); }
   /// Near dofs in the order in which they came.
@@ -90,7 +94,9 @@ class NearField {
   [[nodiscard]] std::size_t size() const { return dofs_.size(); }
 
   MPI_Comm comm_;
-  Factor factor_;
+  PetscInt n_dofs_;
+  Cholesky factor_;
+  Eliminated factored_;  ///< A0
   bool stale_ = true;
   std::unordered_set<int> held_;
   std::vector<int> dofs_;
@@ -103,8 +109,6 @@ class NearField {
   std::vector<double> l_;  ///< Cholesky factor of k_ with given dofs masked
   std::vector<bool> mask_;
   std::size_t valid_ = 0;  ///< leading rows of l_ that hold
-  OwnedVec y_;
-  OwnedVec work_;
   OwnedVec correction_;
   std::vector<double> y_near_;
   std::vector<double> s_y_;

@@ -16,7 +16,7 @@ namespace stylet {
 
 class QuasiStatic final : public TimeIntegrator {
  public:
-  /// The tissue is lent. Needs a direct factor (Factor::exact).
+  /// The tissue is lent. NearField must serve.
   explicit QuasiStatic(TissueOperator& tissue);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
@@ -30,7 +30,6 @@ class QuasiStatic final : public TimeIntegrator {
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
-  [[nodiscard]] int n_set_ups() const { return near_.n_set_ups(); }
 
  private:
   void factor();

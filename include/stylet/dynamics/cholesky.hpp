@@ -1,0 +1,110 @@
+// Sparse Cholesky factor L L' = P A P' of a symmetric positive definite operator, all of it on every
+// rank, with the two triangular solves apart and along paths.
+//
+// Columns of L with the same pattern below are one dense front (CHOLMOD's supernode); its rows belong
+// to itself and to its ancestors in the elimination tree. So what a force on one dof changes in the
+// forward solve, and what a displacement of one dof needs of the backward solve, are the fronts from
+// its own to the root: a few percent of L for the dofs along a line through a plane. Source: T. Davis,
+// Direct Methods for Sparse Linear Systems, SIAM 2006, sections 3.2 and 4.
+//
+// Ranks share whole solves by subtrees; the top of the tree, above those, is everyone's.
+#pragma once
+
+#include "stylet/petsc/owned.hpp"
+
+#include <cholmod.h>
+#include <span>
+#include <vector>
+
+namespace stylet {
+
+class Cholesky {
+ public:
+  /// Collective. n_dofs: of all ranks.
+  Cholesky(MPI_Comm comm, PetscInt n_dofs);
+  Cholesky(const Cholesky&) = delete;
+  Cholesky& operator=(const Cholesky&) = delete;
+  ~Cholesky();
+
+  /// Collective. True if the ranks of each machine have the memory for a factor each.
+  [[nodiscard]] static bool fits(MPI_Comm comm, PetscInt n_dofs);
+
+  /// Collective. Throws NumericalError if A is singular or indefinite.
+  void factor(Mat a);
+
+  /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
+  [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
+                                                    std::span<const int> columns);
+
+  /// Collective. The forward solve of A y = b.
+  void load(Vec b);
+  /// b = 0.
+  void unload();
+  /// Collective. y at these dofs, on every rank.
+  [[nodiscard]] std::vector<double> loaded(std::span<const int> dofs);
+  /// Collective. x = A^-1 (forces on dofs), and y if it is asked for.
+  void respond(std::span<const int> dofs, std::span<const double> forces, bool add_loaded, Vec x);
+
+ private:
+  using Index = SuiteSparse_long;
+  /// Fronts, ascending, and where their columns stand in a dense array of `size` rows.
+  struct Path {
+    std::vector<int> fronts;
+    Index size = 0;
+  };
+  struct Front {
+    Index first;
+    Index n_columns;
+    Index n_rows;
+    const Index* rows;
+    const double* values;  ///< column-major, n_rows x n_columns
+  };
+  void read(Mat whole);
+  void share(Mat a);
+  [[nodiscard]] Front front(int s) const;
+  [[nodiscard]] int parent(int s) const;
+  [[nodiscard]] Path path_of(std::span<const int> dofs);
+  void compact(Path& path);
+  void uncompact();
+  [[nodiscard]] Index place(Index row) const {
+    if (!compacted_) return row;
+    const auto s = static_cast<std::size_t>(front_of_[static_cast<std::size_t>(row)]);
+    return place_[s] + row;
+  }
+  void forward(std::span<const int> fronts, double* w, Index size, int n);
+  void backward(std::span<const int> fronts, double* w, Index size, int n);
+
+  template <class Each>
+  void for_columns(std::span<const int> fronts, Each&& each) const {
+    for (const int s : fronts) {
+      const Front f = front(s);
+      for (Index i = f.first; i < f.first + f.n_columns; ++i) each(i);
+    }
+  }
+
+  MPI_Comm comm_;
+  std::size_t n_;
+  cholmod_common common_{};
+  cholmod_factor* l_ = nullptr;
+  PetscObjectId a_id_ = 0;
+  OwnedMat whole_;             ///< on several ranks, all of A
+  std::vector<int> front_of_;  ///< of a column of L
+  std::vector<Index> column_;  ///< of L, of a dof
+  std::vector<Index> place_;   ///< of a front: its place in a dense array, less its first column
+  bool compacted_ = false;
+  std::vector<int> stamp_;  ///< of a front: the last path that met it
+  int n_stamps_ = 0;
+  std::vector<int> mine_;                         ///< fronts of this rank's subtrees, ascending
+  std::vector<int> top_;                          ///< fronts of all ranks, ascending
+  std::vector<char> is_top_;                      ///< of a front
+  std::vector<char> here_;                        ///< of a front: in either
+  std::vector<Index> columns_here_;               ///< of mine_, on the first rank also of top_
+  Owned<VecScatter, VecScatterDestroy> scatter_;  ///< from a vector of dofs to those
+  OwnedVec local_;
+  std::vector<double> z_;  ///< L^-1 P b, by column of L
+  bool loaded_ = false;
+  std::vector<double> w_;      ///< work, by column of L
+  std::vector<double> below_;  ///< work
+};
+
+}  // namespace stylet

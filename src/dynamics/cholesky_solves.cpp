@@ -1,0 +1,240 @@
+// Triangular solves with the fronts of a Cholesky factor.
+#include "stylet/dynamics/cholesky.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/log.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <petscblaslapack.h>
+
+#include <algorithm>
+
+extern "C" void dtrsv_(const char* half,
+                       const char* transposed,
+                       const char* unit,
+                       const PetscBLASInt* n,
+                       const double* a,
+                       const PetscBLASInt* stride,
+                       double* x,
+                       const PetscBLASInt* step);
+
+namespace stylet {
+
+namespace {
+
+template <class Number>
+std::size_t at(Number i) {
+  return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+// w: n columns of `size` rows.
+void Cholesky::forward(std::span<const int> fronts, double* w, Index size, int n) {
+  constexpr double one = 1;
+  constexpr double zero = 0;
+  const PetscBLASInt unit = 1;
+  const auto columns = static_cast<PetscBLASInt>(n);
+  const auto stride = static_cast<PetscBLASInt>(size);
+  for (const int s : fronts) {
+    const Front f = front(s);
+    double* const own = w + place(f.first);
+    const Index m = f.n_rows - f.n_columns;
+    below_.resize(std::max(below_.size(), at(m * n)));
+    const auto rows = static_cast<PetscBLASInt>(f.n_rows);
+    const auto n_own = static_cast<PetscBLASInt>(f.n_columns);
+    const auto n_below = static_cast<PetscBLASInt>(m);
+    const double* const rest = f.values + f.n_columns;
+    if (n == 1) {
+      dtrsv_("L", "N", "N", &n_own, f.values, &rows, own, &unit);
+      if (m > 0) {
+        BLASgemv_("N", &n_below, &n_own, &one, rest, &rows, own, &unit, &zero, below_.data(),
+                  &unit);
+      }
+    } else {
+      BLAStrsm_("L", "L", "N", "N", &n_own, &columns, &one, f.values, &rows, own, &stride);
+      if (m > 0) {
+        BLASgemm_("N", "N", &n_below, &columns, &n_own, &one, rest, &rows, own, &stride, &zero,
+                  below_.data(), &n_below);
+      }
+    }
+    for (Index i = 0; i < m; ++i) {
+      double* const to = w + place(f.rows[f.n_columns + i]);
+      for (Index k = 0; k < n; ++k) to[k * size] -= below_[at(k * m + i)];
+    }
+  }
+}
+
+void Cholesky::backward(std::span<const int> fronts, double* w, Index size, int n) {
+  constexpr double one = 1;
+  constexpr double minus_one = -1;
+  const PetscBLASInt unit = 1;
+  const auto columns = static_cast<PetscBLASInt>(n);
+  const auto stride = static_cast<PetscBLASInt>(size);
+  for (auto s = fronts.rbegin(); s != fronts.rend(); ++s) {
+    const Front f = front(*s);
+    double* const own = w + place(f.first);
+    const Index m = f.n_rows - f.n_columns;
+    below_.resize(std::max(below_.size(), at(m * n)));
+    for (Index i = 0; i < m; ++i) {
+      const double* const from = w + place(f.rows[f.n_columns + i]);
+      for (Index k = 0; k < n; ++k) below_[at(k * m + i)] = from[k * size];
+    }
+    const auto rows = static_cast<PetscBLASInt>(f.n_rows);
+    const auto n_own = static_cast<PetscBLASInt>(f.n_columns);
+    const auto n_below = static_cast<PetscBLASInt>(m);
+    const double* const rest = f.values + f.n_columns;
+    if (n == 1) {
+      if (m > 0) {
+        BLASgemv_("T", &n_below, &n_own, &minus_one, rest, &rows, below_.data(), &unit, &one, own,
+                  &unit);
+      }
+      dtrsv_("L", "T", "N", &n_own, f.values, &rows, own, &unit);
+    } else {
+      if (m > 0) {
+        BLASgemm_("T", "N", &n_own, &columns, &n_below, &minus_one, rest, &rows, below_.data(),
+                  &n_below, &one, own, &stride);
+      }
+      BLAStrsm_("L", "L", "T", "N", &n_own, &columns, &one, f.values, &rows, own, &stride);
+    }
+  }
+}
+
+std::vector<double> Cholesky::inverse_entries(std::span<const int> rows,
+                                              std::span<const int> columns) {
+  static const LogEvent event("StyletColumns");
+  const LogScope scope(event);
+  constexpr std::size_t batch = 32;
+  const auto ranks = at(size_of(comm_));
+  const auto rank = at(rank_of(comm_));
+  const std::size_t from = columns.size() * rank / ranks;
+  const std::size_t to = columns.size() * (rank + 1) / ranks;
+  std::vector<double> entries(rows.size() * columns.size(), 0.0);
+  std::vector<int> all(rows.begin(), rows.end());
+  all.insert(all.end(), columns.begin(), columns.end());
+  Path path = path_of(all);
+  compact(path);
+  for (std::size_t first = from; first < to; first += batch) {
+    const auto some = columns.subspan(first, std::min(batch, to - first));
+    const auto n = static_cast<int>(some.size());
+    std::vector<double> w(at(path.size * n), 0.0);
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      w[k * at(path.size) + at(place(column_[at(some[k])]))] = 1;
+    }
+    forward(path_of(some).fronts, w.data(), path.size, n);
+    backward(path.fronts, w.data(), path.size, n);
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        entries[(first + k) * rows.size() + i] =
+            w[k * at(path.size) + at(place(column_[at(rows[i])]))];
+      }
+    }
+  }
+  uncompact();
+  if (ranks > 1 && !entries.empty()) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, entries.data(), static_cast<int>(entries.size()),
+                            MPI_DOUBLE, MPI_SUM, comm_));
+  }
+  return entries;
+}
+
+void Cholesky::load(Vec b) {
+  static const LogEvent event("StyletForward");
+  const LogScope scope(event);
+  loaded_ = true;
+  const auto size = static_cast<Index>(n_);
+  if (size_of(comm_) == 1) {
+    const Values values(b);
+    const auto* perm = static_cast<const Index*>(l_->Perm);
+    for (std::size_t i = 0; i < n_; ++i) z_[i] = values.data()[perm[i]];
+    forward(mine_, z_.data(), size, 1);
+    return;
+  }
+  check(VecScatterBegin(scatter_.get(), b, local_.get(), INSERT_VALUES, SCATTER_FORWARD));
+  check(VecScatterEnd(scatter_.get(), b, local_.get(), INSERT_VALUES, SCATTER_FORWARD));
+  for_columns(top_, [&](Index i) { z_[at(i)] = 0; });
+  {
+    const Values values(local_.get());
+    for (std::size_t i = 0; i < columns_here_.size(); ++i) {
+      z_[at(columns_here_[i])] = values.data()[i];
+    }
+  }
+  forward(mine_, z_.data(), size, 1);
+  std::vector<double> sums;
+  for_columns(top_, [&](Index i) { sums.push_back(z_[at(i)]); });
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE,
+                          MPI_SUM, comm_));
+  auto sum = sums.begin();
+  for_columns(top_, [&](Index i) { z_[at(i)] = *sum++; });
+  forward(top_, z_.data(), size, 1);
+}
+
+void Cholesky::unload() {
+  loaded_ = false;
+}
+
+std::vector<double> Cholesky::loaded(std::span<const int> dofs) {
+  std::vector<double> values(dofs.size(), 0.0);
+  if (!loaded_ || dofs.empty()) return values;
+  Path path = path_of(dofs);
+  std::erase_if(path.fronts, [&](int s) { return here_[at(s)] == 0; });
+  compact(path);
+  std::vector<double> w;
+  w.reserve(at(path.size));
+  for_columns(path.fronts, [&](Index i) { w.push_back(z_[at(i)]); });
+  backward(path.fronts, w.data(), path.size, 1);
+  const bool first = rank_of(comm_) == 0;
+  for (std::size_t i = 0; i < dofs.size(); ++i) {
+    const Index column = column_[at(dofs[i])];
+    const auto s = at(front_of_[at(column)]);
+    if (here_[s] == 0 || (is_top_[s] != 0 && !first)) continue;
+    values[i] = w[at(place(column))];
+  }
+  uncompact();
+  if (size_of(comm_) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
+                            MPI_DOUBLE, MPI_SUM, comm_));
+  }
+  return values;
+}
+
+void Cholesky::respond(std::span<const int> dofs,
+                       std::span<const double> forces,
+                       bool add_loaded,
+                       Vec x) {
+  static const LogEvent event("StyletSolve");
+  const LogScope scope(event);
+  // What the forces add to the forward solve; all ranks alike.
+  Path path = path_of(dofs);
+  compact(path);
+  std::vector<double> more(at(path.size), 0.0);
+  for (std::size_t i = 0; i < dofs.size(); ++i) more[at(place(column_[at(dofs[i])]))] = forces[i];
+  forward(path.fronts, more.data(), path.size, 1);
+  uncompact();
+  if (add_loaded && loaded_) {
+    w_ = z_;
+  } else {
+    std::ranges::fill(w_, 0.0);
+  }
+  auto next = more.begin();
+  for_columns(path.fronts, [&](Index i) { w_[at(i)] += *next++; });
+  const auto size = static_cast<Index>(n_);
+  backward(top_, w_.data(), size, 1);
+  backward(mine_, w_.data(), size, 1);
+  if (size_of(comm_) == 1) {
+    Entries values(x);
+    const auto* perm = static_cast<const Index*>(l_->Perm);
+    for (std::size_t i = 0; i < n_; ++i) values.data()[perm[i]] = w_[i];
+    return;
+  }
+  {
+    Entries values(local_.get());
+    for (std::size_t i = 0; i < columns_here_.size(); ++i) {
+      values.data()[i] = w_[at(columns_here_[i])];
+    }
+  }
+  check(VecScatterBegin(scatter_.get(), local_.get(), x, INSERT_VALUES, SCATTER_REVERSE));
+  check(VecScatterEnd(scatter_.get(), local_.get(), x, INSERT_VALUES, SCATTER_REVERSE));
+}
+
+}  // namespace stylet
