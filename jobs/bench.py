@@ -71,9 +71,9 @@ def slope(rows):
     return float(np.polyfit(x, y, 1)[0]) if len(rows) > 1 else math.nan
 
 
-# Of an explicit step, read and written, a node (two triangles): seven blocks of K with their column,
-# where the row starts, and ten vectors of two numbers.
-EXPLICIT_BYTES = 7 * 36 + 8 + 10 * 16
+# Of an explicit step, read and written, a node (two triangles): gradients and corners of two
+# triangles, three vectors of two numbers read, three written (which reads them too), two masses.
+EXPLICIT_BYTES = 2 * 52 + 9 * 16 + 2 * 8
 
 
 def draw(rows, speed, path):
