@@ -1,5 +1,7 @@
 #include "stylet/dynamics/explicit_step.hpp"
 
+#include "stylet/base/lanes.hpp"
+
 #include <algorithm>
 #include <cstring>
 
@@ -9,26 +11,6 @@ namespace {
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
-}
-
-using Pair [[gnu::vector_size(16)]] = double;
-using Lanes [[gnu::vector_size(32)]] = double;
-
-#define STYLET_INLINE __attribute__((always_inline)) inline
-#define STYLET_INNER __attribute__((always_inline))
-#if defined(__x86_64__)
-#define STYLET_LANES __attribute__((target_clones("avx2", "default")))
-#else
-#define STYLET_LANES
-#endif
-
-// All are inlined, so no vector goes through a call.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
-STYLET_INLINE Lanes load(const double* values) {
-  Lanes v;
-  std::memcpy(&v, values, sizeof v);
-  return v;
 }
 
 struct Vectors {
@@ -75,10 +57,10 @@ STYLET_INLINE Gradient gradient(const CellKernel::Group& c, const double* s) {
   Vectors second = gather(s, c.node[1]);
   first = {first.x - last.x, first.y - last.y};
   second = {second.x - last.x, second.y - last.y};
-  const Lanes g0 = load(c.gradient[0]);
-  const Lanes g1 = load(c.gradient[1]);
-  const Lanes g2 = load(c.gradient[2]);
-  const Lanes g3 = load(c.gradient[3]);
+  const Lanes g0 = load_lanes(c.gradient[0]);
+  const Lanes g1 = load_lanes(c.gradient[1]);
+  const Lanes g2 = load_lanes(c.gradient[2]);
+  const Lanes g3 = load_lanes(c.gradient[3]);
   return {{g0, g1, g2, g3},
           first.x * g0 + second.x * g2,
           first.x * g1 + second.x * g3,
@@ -107,7 +89,7 @@ STYLET_INLINE void dilate(const CellKernel::Group& c,
                           const double* s,
                           double* dilatation) {
   const Gradient h = gradient(c, s);
-  const Lanes share = load(c.volume) * (h.xx + h.yy);
+  const Lanes share = load_lanes(c.volume) * (h.xx + h.yy);
   for (const auto& patches : p.patch) {
     for (std::size_t l = 0; l < 4; ++l) dilatation[at(patches[l])] += share[l];
   }
@@ -255,7 +237,7 @@ STYLET_LANES void step_plain(const ExplicitArrays& x,
       const CellKernel::Group& c = cells.groups()[i];
       fetch.next(&c);
       const Gradient h = gradient(c, x.stretched);
-      push(c, h, load(c.volume) * (h.xx + h.yy), x.a);
+      push(c, h, load_lanes(c.volume) * (h.xx + h.yy), x.a);
     });
     accelerate_range(x, f, x.a, k * CellKernel::block, end_of(x, k), sums);
   }
@@ -294,8 +276,8 @@ STYLET_LANES void step_averaged(const ExplicitArrays& x,
     for (; pushed <= k && cells.reach(pushed) <= end; ++pushed) {
       cells.groups_of(pushed, [&](std::size_t i) STYLET_INNER {
         const CellKernel::Group& c = cells.groups()[i];
-        push(c, gradient(c, x.stretched), load(c.volume) * pressures(cells.patches()[i], pressure),
-             x.a);
+        push(c, gradient(c, x.stretched),
+             load_lanes(c.volume) * pressures(cells.patches()[i], pressure), x.a);
       });
       accelerate_range(x, f, x.a, pushed * CellKernel::block, end_of(x, pushed), sums);
     }
