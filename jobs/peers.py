@@ -29,7 +29,7 @@ SPEED_OF_SOUND = math.sqrt(E / RHO / (1 - NU**2))
 def steps_of(method, columns):
     """Length (s) and number of steps."""
     if method == "implicit":
-        return 1e-3, 20
+        return 1e-3, 400 if columns < 100 else 20
     return 0.3 * WIDTH / columns / SPEED_OF_SOUND, 400 if columns < 400 else 60
 
 
