@@ -52,11 +52,16 @@ CellKernel::CellKernel(const Mesh& mesh, const TissueOperator& tissue)
   for (std::size_t k = 0; k < n_blocks; ++k) {
     first_group_.push_back(groups_.size());
     reach_[k] = std::min(n_nodes, (k + 1) * block);
-    for (std::size_t lane = 0; next < order.size() && block_of(mesh.cell(order[next])) == k;
-         ++next, lane = (lane + 1) % lanes) {
-      const std::size_t group = lane == 0 ? add_group(k) : groups_.size() - 1;
-      slot_[at(order[next])] = lanes * group + lane;
-      put(slot_[at(order[next])], mesh, tissue, order[next]);
+    std::size_t end = next;
+    while (end < order.size() && block_of(mesh.cell(order[end])) == k) ++end;
+    // Each lane takes consecutive triangles, so that those of a group are far apart and their sums do
+    // not wait for each other.
+    const std::size_t n_groups = (end - next + lanes - 1) / lanes;
+    for (std::size_t g = 0; g < n_groups; ++g) add_group(k);
+    for (std::size_t i = 0; next < end; ++i, ++next) {
+      const std::size_t slot = lanes * (first_group_[k] + i % n_groups) + i / n_groups;
+      slot_[at(order[next])] = slot;
+      put(slot, mesh, tissue, order[next]);
     }
   }
   first_group_.push_back(groups_.size());
@@ -67,7 +72,7 @@ std::size_t CellKernel::add_group(std::size_t of) {
   Group idle{};
   Patches patches{};
   for (std::size_t a = 0; a < 3; ++a) {
-    std::ranges::fill(idle.node[a], static_cast<int>(of * block));
+    std::ranges::fill(idle.dof[a], static_cast<int>(2 * of * block));
     std::ranges::fill(patches.patch[a], static_cast<int>(of * block));
   }
   groups_.push_back(idle);
@@ -88,7 +93,7 @@ void CellKernel::put(std::size_t slot, const Mesh& mesh, const TissueOperator& t
   Group& g = groups_[group];
   std::size_t& reach = reach_[group_block_[group]];
   for (std::size_t a = 0; a < 3; ++a) {
-    g.node[a][lane] = nodes[a];
+    g.dof[a][lane] = 2 * nodes[a];
     reach = std::max(reach, at(nodes[a]) + 1);
   }
   for (std::size_t a = 0; a < 2; ++a) {

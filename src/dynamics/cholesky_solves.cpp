@@ -30,10 +30,6 @@ struct Trapezoid {
   std::ptrdiff_t n_columns;
 };
 
-STYLET_INLINE double sum_of(const Lanes& v) {
-  return (v[0] + v[2]) + (v[1] + v[3]);
-}
-
 // Two columns of L that come next: the streams are too short for the hardware to see ahead, and L of
 // large meshes comes from memory.
 STYLET_INLINE void fetch(const double* a, std::ptrdiff_t n_rows, std::ptrdiff_t ahead) {

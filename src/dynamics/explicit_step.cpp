@@ -18,10 +18,10 @@ struct Vectors {
   Lanes y;
 };
 
-STYLET_INLINE Vectors gather(const double* field, const int* nodes) {
+STYLET_INLINE Vectors gather(const double* field, const int* dofs) {
   Pair at_node[4];
   for (std::size_t l = 0; l < 4; ++l) {
-    std::memcpy(&at_node[l], field + 2 * at(nodes[l]), sizeof(Pair));
+    std::memcpy(&at_node[l], field + dofs[l], sizeof(Pair));
   }
   const Lanes even = __builtin_shufflevector(at_node[0], at_node[2], 0, 1, 2, 3);
   const Lanes odd = __builtin_shufflevector(at_node[1], at_node[3], 0, 1, 2, 3);
@@ -30,14 +30,14 @@ STYLET_INLINE Vectors gather(const double* field, const int* nodes) {
 }
 
 // One after the other, since the lanes may share nodes.
-STYLET_INLINE void scatter(const Vectors& f, const int* nodes, double* field) {
+STYLET_INLINE void scatter(const Vectors& f, const int* dofs, double* field) {
   const Lanes even = __builtin_shufflevector(f.x, f.y, 0, 4, 2, 6);
   const Lanes odd = __builtin_shufflevector(f.x, f.y, 1, 5, 3, 7);
   const Pair at_node[4] = {
       __builtin_shufflevector(even, even, 0, 1), __builtin_shufflevector(odd, odd, 0, 1),
       __builtin_shufflevector(even, even, 2, 3), __builtin_shufflevector(odd, odd, 2, 3)};
   for (std::size_t l = 0; l < 4; ++l) {
-    double* const to = field + 2 * at(nodes[l]);
+    double* const to = field + dofs[l];
     Pair sum;
     std::memcpy(&sum, to, sizeof sum);
     sum += at_node[l];
@@ -52,9 +52,9 @@ struct Gradient {
 };
 
 STYLET_INLINE Gradient gradient(const CellKernel::Group& c, const double* s) {
-  const Vectors last = gather(s, c.node[2]);
-  Vectors first = gather(s, c.node[0]);
-  Vectors second = gather(s, c.node[1]);
+  const Vectors last = gather(s, c.dof[2]);
+  Vectors first = gather(s, c.dof[0]);
+  Vectors second = gather(s, c.dof[1]);
   first = {first.x - last.x, first.y - last.y};
   second = {second.x - last.x, second.y - last.y};
   const Lanes g0 = load_lanes(c.gradient[0]);
@@ -78,9 +78,9 @@ STYLET_INLINE void push(const CellKernel::Group& c,
   const Lanes xy = h.xy + h.yx;
   const Vectors first = {xx * h.g[0] + xy * h.g[1], xy * h.g[0] + yy * h.g[1]};
   const Vectors second = {xx * h.g[2] + xy * h.g[3], xy * h.g[2] + yy * h.g[3]};
-  scatter(first, c.node[0], force);
-  scatter(second, c.node[1], force);
-  scatter({-(first.x + second.x), -(first.y + second.y)}, c.node[2], force);
+  scatter(first, c.dof[0], force);
+  scatter(second, c.dof[1], force);
+  scatter({-(first.x + second.x), -(first.y + second.y)}, c.dof[2], force);
 }
 
 // Adds  int phi_n div u  to the patches of the corners.
@@ -105,7 +105,14 @@ STYLET_INLINE Lanes pressures(const CellKernel::Patches& p, const double* pressu
   return sum;
 }
 
-// Locals, since stores might change the structure.
+// Calls each(first dof, lanes) for nodes two by two, then for one that is left.
+template <class Each>
+STYLET_INLINE void in_pairs(std::size_t begin, std::size_t end, Each&& each) {
+  std::size_t node = begin;
+  for (; node + 2 <= end; node += 2) each(2 * node, Lanes{});
+  if (node < end) each(2 * node, Pair{});
+}
+
 STYLET_INLINE void predict_range(const ExplicitArrays& x,
                                  const ExplicitFactors& f,
                                  std::size_t begin,
@@ -115,47 +122,34 @@ STYLET_INLINE void predict_range(const ExplicitArrays& x,
   const double half = 0.5 * f.h;
   const double h = f.h;
   const double stiffness_factor = f.stiffness_factor;
-  const double* const mass = x.mass;
-  const double* const u0 = x.u0;
-  const double* const v0 = x.v0;
-  const double* const a0 = x.a0;
-  double* const u = x.u;
-  double* const v = x.v;
-  double* const a = x.a;
-  double* const stretched = stiffness_factor != 0 ? x.stretched : nullptr;
-  double start = 0;
-  double middle = 0;
-  for (std::size_t node = begin; node < end; ++node) {
-    double of_start = 0;
-    double of_middle = 0;
-    for (std::size_t i = 2 * node; i < 2 * node + 2; ++i) {
-      const double before = v0[i];
-      const double now = before + half * a0[i];
-      const double place = u0[i] + h * now;
-      v[i] = now;
-      u[i] = place;
-      a[i] = 0;
-      if (stretched != nullptr) stretched[i] = place + stiffness_factor * now;
-      of_start += before * now;
-      of_middle += now * now;
-    }
-    start += mass[node] * of_start;
-    middle += mass[node] * of_middle;
-  }
+  Lanes start{};
+  Lanes middle{};
+  in_pairs(begin, end, [&]<class V>(std::size_t i, V) STYLET_INNER {
+    const V before = load_lanes<V>(x.v0 + i);
+    const V now = before + half * load_lanes<V>(x.a0 + i);
+    const V place = load_lanes<V>(x.u0 + i) + h * now;
+    store_lanes(x.v + i, now);
+    store_lanes(x.u + i, place);
+    store_lanes(x.a + i, V{});
+    if (stiffness_factor != 0) store_lanes(x.stretched + i, place + stiffness_factor * now);
+    const V momentum = load_twice<V>(x.mass + i / 2) * now;
+    add_lanes(start, before * momentum);
+    add_lanes(middle, now * momentum);
+  });
+  sums.start += sum_of(start);
+  sums.half += sum_of(middle);
   for (; !given.empty() && given.front().dof < 2 * end; given = given.subspan(1)) {
     const auto [i, place] = given.front();
-    const double m = mass[i / 2];
-    const double now = (place - u0[i]) / h;
-    const double squares = m * (now * now - v[i] * v[i]);
+    const double m = x.mass[i / 2];
+    const double now = (place - x.u0[i]) / h;
+    const double squares = m * (now * now - x.v[i] * x.v[i]);
     sums.blow += 0.5 * squares;
-    start += m * v0[i] * (now - v[i]);
-    middle += squares;
-    u[i] = place;
-    v[i] = now;
-    if (stretched != nullptr) stretched[i] = place + stiffness_factor * now;
+    sums.start += m * x.v0[i] * (now - x.v[i]);
+    sums.half += squares;
+    x.u[i] = place;
+    x.v[i] = now;
+    if (stiffness_factor != 0) x.stretched[i] = place + stiffness_factor * now;
   }
-  sums.start += start;
-  sums.half += middle;
 }
 
 STYLET_INLINE void accelerate_range(const ExplicitArrays& x,
@@ -164,37 +158,27 @@ STYLET_INLINE void accelerate_range(const ExplicitArrays& x,
                                     std::size_t begin,
                                     std::size_t end,
                                     StepSums& sums) {
-  const double* const load = x.load;
-  const double* const inverse_root = x.inverse_root;
-  double* const v = x.v;
-  double* const a = x.a;
   const double half = 0.5 * f.h;
   const double mass_factor = f.mass_factor;
   const double damped = 1 / (1 + half * mass_factor);
-  double by_load = 0;
-  double by_rest = 0;
-  for (std::size_t node = begin; node < end; ++node) {
-    const std::size_t i = 2 * node;
-    const double inverse = inverse_root[node] * inverse_root[node];
-    const double v0 = v[i];
-    const double v1 = v[i + 1];
-    double rest0 = -force[i];
-    double rest1 = -force[i + 1];
-    if (load != nullptr) {
-      rest0 += load[i];
-      rest1 += load[i + 1];
-      by_load += load[i] * v0 + load[i + 1] * v1;
+  Lanes of_load{};
+  Lanes of_rest{};
+  in_pairs(begin, end, [&]<class V>(std::size_t i, V) STYLET_INNER {
+    const V root = load_twice<V>(x.inverse_root + i / 2);
+    const V before = load_lanes<V>(x.v + i);
+    V rest = -load_lanes<V>(force + i);
+    if (x.load != nullptr) {
+      const V load = load_lanes<V>(x.load + i);
+      rest += load;
+      add_lanes(of_load, load * before);
     }
-    const double a0 = (rest0 * inverse - mass_factor * v0) * damped;
-    const double a1 = (rest1 * inverse - mass_factor * v1) * damped;
-    a[i] = a0;
-    a[i + 1] = a1;
-    v[i] = v0 + half * a0;
-    v[i + 1] = v1 + half * a1;
-    by_rest += rest0 * v0 + rest1 * v1;
-  }
-  sums.load += by_load;
-  sums.rest += by_rest;
+    const V a = (rest * (root * root) - mass_factor * before) * damped;
+    store_lanes(x.a + i, a);
+    store_lanes(x.v + i, before + half * a);
+    add_lanes(of_rest, rest * before);
+  });
+  sums.load += sum_of(of_load);
+  sums.rest += sum_of(of_rest);
 }
 
 // What comes next, group by group: hardware does not see ahead in streams that break off after each

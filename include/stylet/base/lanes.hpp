@@ -19,10 +19,35 @@ namespace stylet {
 using Pair [[gnu::vector_size(16)]] = double;
 using Lanes [[gnu::vector_size(32)]] = double;
 
-STYLET_INLINE Lanes load_lanes(const double* values) {
-  Lanes v;
+/// V: Lanes or Pair.
+template <class V = Lanes>
+STYLET_INLINE V load_lanes(const double* values) {
+  V v;
   std::memcpy(&v, values, sizeof v);
   return v;
+}
+template <class V>
+STYLET_INLINE void store_lanes(double* to, const V& v) {
+  std::memcpy(to, &v, sizeof v);
+}
+/// One number for each two lanes.
+template <class V>
+STYLET_INLINE V load_twice(const double* values) {
+  if constexpr (sizeof(V) == sizeof(Pair)) {
+    return V{values[0], values[0]};
+  } else {
+    const Pair both = load_lanes<Pair>(values);
+    return __builtin_shufflevector(both, both, 0, 0, 1, 1);
+  }
+}
+STYLET_INLINE double sum_of(const Lanes& v) {
+  return (v[0] + v[2]) + (v[1] + v[3]);
+}
+STYLET_INLINE void add_lanes(Lanes& sum, const Lanes& v) {
+  sum += v;
+}
+STYLET_INLINE void add_lanes(Lanes& sum, const Pair& v) {
+  sum += Lanes{v[0], v[1], 0, 0};
 }
 
 }  // namespace stylet

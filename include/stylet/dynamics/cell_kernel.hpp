@@ -21,7 +21,7 @@ class CellKernel {
   /// Corner a's gradient g_a, times s = sqrt(mu |T|): of corners 0 and 1 as (x, y, x, y); the third's
   /// is minus their sum. volume: lambda / mu, or sqrt(|T| / mu) / 3 if the dilatation is averaged.
   struct Group {
-    int node[3][lanes];
+    int dof[3][lanes];  ///< the first of each corner
     double gradient[4][lanes];
     double volume[lanes];
   };
