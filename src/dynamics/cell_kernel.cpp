@@ -1,5 +1,6 @@
 #include "stylet/dynamics/cell_kernel.hpp"
 
+#include "stylet/base/sorted.hpp"
 #include "stylet/fem/element.hpp"
 
 #include <algorithm>
@@ -14,38 +15,64 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-int lowest(std::span<const int> nodes) {
-  return *std::ranges::min_element(nodes);
-}
-
-std::size_t block_of(std::span<const int> nodes) {
-  return at(lowest(nodes)) / CellKernel::block;
+// Cells with a node that is at most `rings` edges away from an owned one; ascending.
+std::vector<int> cells_within(const Mesh& mesh, const TissueOperator& tissue, int rings) {
+  std::vector<char> near(at(mesh.n_nodes()), 0);
+  std::fill(near.begin() + tissue.first_dof() / 2, near.begin() + tissue.end_dof() / 2, 1);
+  std::vector<int> cells;
+  for (int ring = 0;; ++ring) {
+    cells.clear();
+    for (int c = 0; c < mesh.n_cells(); ++c) {
+      if (std::ranges::any_of(mesh.cell(c), [&](int n) { return near[at(n)] != 0; })) {
+        cells.push_back(c);
+      }
+    }
+    if (ring == rings) return cells;
+    for (const int c : cells) {
+      for (const int node : mesh.cell(c)) near[at(node)] = 1;
+    }
+  }
 }
 
 }  // namespace
 
 CellKernel::CellKernel(const Mesh& mesh, const TissueOperator& tissue)
     : averaged_(tissue.parameters().formulation == Formulation::p1_averaged) {
-  const auto n_nodes = at(mesh.n_nodes());
-  const std::size_t n_blocks = (n_nodes + block - 1) / block;
+  std::vector<int> order = cells_within(mesh, tissue, averaged_ ? 2 : 1);
+  std::vector<int> ghosts;
+  for (const int c : order) {
+    for (const int node : mesh.cell(c)) {
+      if (!tissue.owns(node)) ghosts.push_back(node);
+    }
+  }
+  sort_unique(ghosts);
+  nodes_ = {tissue.first_dof() / 2, tissue.end_dof() / 2, std::move(ghosts)};
+  const std::size_t n_nodes = nodes_.n_all();
   if (averaged_) {
+    std::vector<int> all(nodes_.n_owned());
+    std::iota(all.begin(), all.end(), tissue.first_dof() / 2);
+    all.insert(all.end(), nodes_.ghosts().begin(), nodes_.ghosts().end());
     first_region_.assign(n_nodes, -1);
-    for (int node = 0; node < mesh.n_nodes(); ++node) {
-      for (const int c : mesh.cells_around(node)) {
-        int& first = first_region_[at(node)];
+    for (std::size_t i = 0; i < n_nodes; ++i) {
+      for (const int c : mesh.cells_around(all[i])) {
+        int& first = first_region_[i];
         if (first < 0) first = mesh.region(c);
-        if (mesh.region(c) == first || patch_of(mesh, node, mesh.region(c)) >= 0) continue;
-        further_node_.push_back(node);
+        if (mesh.region(c) == first || patch_of(static_cast<int>(i), mesh.region(c)) >= 0) continue;
+        further_node_.push_back(static_cast<int>(i));
         further_region_.push_back(mesh.region(c));
       }
     }
     patch_stiffness_.resize(n_nodes + further_node_.size());
-    for (int node = 0; node < mesh.n_nodes(); ++node) weigh(mesh, tissue, node);
+    for (const int node : all) weigh(mesh, tissue, node);
   }
-  std::vector<int> order(at(mesh.n_cells()));
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](int c) { return lowest(mesh.cell(c)); });
-  slot_.resize(order.size());
+  const auto lowest = [&](int c) {
+    int least = nodes_.of(mesh.cell(c)[0]);
+    for (const int node : mesh.cell(c)) least = std::min(least, nodes_.of(node));
+    return least;
+  };
+  std::ranges::stable_sort(order, {}, lowest);
+  const std::size_t n_blocks = (n_nodes + block - 1) / block;
+  slot_.assign(at(mesh.n_cells()), nowhere);
   reach_.resize(n_blocks);
   moved_.assign(n_blocks, -1);
   std::size_t next = 0;
@@ -93,8 +120,10 @@ void CellKernel::put(std::size_t slot, const Mesh& mesh, const TissueOperator& t
   Group& g = groups_[group];
   std::size_t& reach = reach_[group_block_[group]];
   for (std::size_t a = 0; a < 3; ++a) {
-    g.dof[a][lane] = 2 * nodes[a];
-    reach = std::max(reach, at(nodes[a]) + 1);
+    const int local = nodes_.of(nodes[a]);
+    g.dof[a][lane] = 2 * local;
+    reach = std::max(reach, at(local) + 1);
+    if (averaged_) patches_[group].patch[a][lane] = patch_of(local, mesh.region(cell));
   }
   for (std::size_t a = 0; a < 2; ++a) {
     for (std::size_t i = 0; i < 2; ++i) {
@@ -102,25 +131,40 @@ void CellKernel::put(std::size_t slot, const Mesh& mesh, const TissueOperator& t
     }
   }
   g.volume[lane] = averaged_ ? std::sqrt(volume / m.mu) / 3 : m.lambda / m.mu;
-  if (!averaged_) return;
-  for (std::size_t a = 0; a < 3; ++a) {
-    patches_[group].patch[a][lane] = patch_of(mesh, nodes[a], mesh.region(cell));
-  }
+}
+
+std::size_t CellKernel::block_of(std::span<const int> nodes) const {
+  int lowest = nodes_.of(nodes[0]);
+  for (const int node : nodes) lowest = std::min(lowest, nodes_.of(node));
+  return at(lowest) / block;
+}
+
+bool CellKernel::knows(std::span<const int> nodes) const {
+  return std::ranges::all_of(nodes, [&](int node) { return nodes_.of(node) >= 0; });
+}
+
+// Whether the forces on owned nodes depend on it.
+bool CellKernel::needs(const Mesh& mesh, int cell) const {
+  const auto owned = [&](int node) { return nodes_.owns(node); };
+  return std::ranges::any_of(mesh.cell(cell), [&](int node) {
+    return owned(node) || (averaged_ && std::ranges::any_of(mesh.neighbours(node), owned));
+  });
 }
 
 // -1 if there is none.
-int CellKernel::patch_of(const Mesh& mesh, int node, int region) const {
-  if (first_region_[at(node)] == region) return node;
-  const auto range = std::ranges::equal_range(further_node_, node);
+int CellKernel::patch_of(int local, int region) const {
+  if (first_region_[at(local)] == region) return local;
+  const auto range = std::ranges::equal_range(further_node_, local);
   for (auto n = range.begin(); n != range.end(); ++n) {
     const auto i = static_cast<std::size_t>(n - further_node_.begin());
-    if (further_region_[i] == region) return mesh.n_nodes() + static_cast<int>(i);
+    if (further_region_[i] == region) return static_cast<int>(nodes_.n_all() + i);
   }
   return -1;
 }
 
 // W_n of all patches of a node.
 void CellKernel::weigh(const Mesh& mesh, const TissueOperator& tissue, int node) {
+  const int local = nodes_.of(node);
   const auto cells = mesh.cells_around(node);
   for (const int c : cells) {
     const int region = mesh.region(c);
@@ -129,30 +173,40 @@ void CellKernel::weigh(const Mesh& mesh, const TissueOperator& tissue, int node)
       if (mesh.region(other) != region) continue;
       compliance += mesh.cell_measure(other) / (3 * tissue.moduli(other).lambda);
     }
-    patch_stiffness_[at(patch_of(mesh, node, region))] =
+    patch_stiffness_[at(patch_of(local, region))] =
         1 / (tissue.parameters().thickness * compliance);
   }
 }
 
-void CellKernel::update(const Mesh& mesh,
+bool CellKernel::update(const Mesh& mesh,
                         const TissueOperator& tissue,
                         std::span<const int> cells) {
   for (const int cell : cells) {
     const auto nodes = mesh.cell(cell);
     std::size_t& slot = slot_[at(cell)];
-    const std::size_t own = block_of(nodes);
-    if (own < group_block_[slot / lanes]) {  // after a flip
+    const bool known = knows(nodes);
+    if (slot == nowhere || !known) {
+      if (needs(mesh, cell)) return false;
+      if (slot == nowhere) continue;
+    }
+    const std::size_t own = known ? block_of(nodes) : 0;
+    if (!known || own < group_block_[slot / lanes]) {  // after a flip
       for (auto& values : groups_[slot / lanes].gradient) values[slot % lanes] = 0;
+      slot = nowhere;
+      if (!known) continue;
       slot = lanes * add_group(own);
       next_moved_.push_back(moved_[own]);
       moved_[own] = static_cast<int>(slot / lanes);
     }
     put(slot, mesh, tissue, cell);
   }
-  if (!averaged_) return;
+  if (!averaged_) return true;
   for (const int cell : cells) {
-    for (const int node : mesh.cell(cell)) weigh(mesh, tissue, node);
+    for (const int node : mesh.cell(cell)) {
+      if (nodes_.of(node) >= 0) weigh(mesh, tissue, node);
+    }
   }
+  return true;
 }
 
 }  // namespace stylet

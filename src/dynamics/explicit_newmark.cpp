@@ -27,7 +27,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     : tissue_(tissue),
       safety_(parameters.safety),
       damping_(tissue.damping().value_or(RayleighDamping{})) {
-  for (OwnedVec* vec : {&u_, &v_, &a_, &stretched_, &force_, &reaction_, &working_}) {
+  for (OwnedVec* vec : {&u_, &v_, &a_, &reaction_, &working_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -37,7 +37,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += 2) {
     node_mass_.push_back(masses[static_cast<std::size_t>(dof)]);
   }
-  if (size_of(tissue.comm()) == 1) cells_ = CellKernel(mesh, tissue);
+  make_kernel(mesh);
   row_sums_ = MaximumTree(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
   std::vector<int> all(root_mass_.size());
   std::iota(all.begin(), all.end(), 0);
@@ -60,6 +60,24 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   set_step(ts_.get(), [this](double h, Vec u, Vec v) { advance(h, u, v); });
 }
 
+void ExplicitNewmark::make_kernel(const Mesh& mesh) {
+  cells_ = CellKernel(mesh, tissue_);
+  const std::vector<int>& ghosts = cells_.nodes().ghosts();
+  check(VecCreateGhostBlock(tissue_.comm(), 2, tissue_.end_dof() - tissue_.first_dof(),
+                            tissue_.n_dofs(), static_cast<PetscInt>(ghosts.size()), ghosts.data(),
+                            stretched_.put()));
+  if (size_of(tissue_.comm()) > 1) force_.resize(2 * cells_.nodes().n_all());
+}
+
+// True if it is so on all ranks.
+bool ExplicitNewmark::agreed(bool yes) const {
+  int all = yes ? 1 : 0;
+  if (size_of(tissue_.comm()) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, tissue_.comm()));
+  }
+  return all == 1;
+}
+
 double ExplicitNewmark::stable_step() const {
   return safety_ * stylet::stable_step(largest_row_sum_, damping_.stiffness_factor);
 }
@@ -67,7 +85,7 @@ double ExplicitNewmark::stable_step() const {
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   const auto changed = tissue_.rows_of(mesh, cells);
   const auto rows = tissue_.coupled(mesh, changed);
-  if (size_of(tissue_.comm()) == 1) cells_.update(mesh, tissue_, cells);
+  if (!agreed(cells_.update(mesh, tissue_, cells))) make_kernel(mesh);
   update_row_sums(changed, rows);
   if (state_ != nullptr) accelerate_again(changed, rows);
 }
@@ -177,6 +195,7 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   std::ranges::inplace_merge(given_, given_.begin() + needle, {}, &GivenPlace::dof);
   const ExplicitFactors factors{h, damping_.mass_factor, stiffness_factor};
   StepSums sums;
+  const bool alone = size_of(tissue_.comm()) == 1;
   const auto lend = [&](auto&& then) {
     const Values u0(state_->u.get());
     const Values v0(state_->v.get());
@@ -188,18 +207,17 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
     Entries s(stretched_.get());
     const auto first = static_cast<std::size_t>(tissue_.first_dof() / 2);
     then(ExplicitArrays{node_mass_.size(), u0.data(), v0.data(), a0.data(), u1.data(), v1.data(),
-                        a1.data(), stiffness_factor != 0 ? s.data() : u1.data(),
-                        load_size > 0 ? load.data() : nullptr, node_mass_.data(),
-                        root_mass_.data() + first});
+                        a1.data(), alone && stiffness_factor == 0 ? u1.data() : s.data(),
+                        alone ? a1.data() : force_.data(), load_size > 0 ? load.data() : nullptr,
+                        node_mass_.data(), root_mass_.data() + first});
   };
-  if (size_of(tissue_.comm()) == 1) {
+  if (alone) {
     lend([&](const ExplicitArrays& x) { step(x, factors, cells_, given_, pressure_, sums); });
   } else {
     lend([&](const ExplicitArrays& x) { predict(x, factors, given_, sums); });
-    check(MatMult(tissue_.stiffness(), stiffness_factor != 0 ? stretched_.get() : u, force_.get()));
-    lend([&](const ExplicitArrays& x) {
-      accelerate(x, factors, Values(force_.get()).data(), sums);
-    });
+    check(VecGhostUpdateBegin(stretched_.get(), INSERT_VALUES, SCATTER_FORWARD));
+    check(VecGhostUpdateEnd(stretched_.get(), INSERT_VALUES, SCATTER_FORWARD));
+    lend([&](const ExplicitArrays& x) { accelerate(x, factors, cells_, pressure_, sums); });
   }
   // v of the half step times M v of the end, since M a is the force of the end.
   const double half = 0.5 * h;

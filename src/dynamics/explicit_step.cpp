@@ -130,8 +130,8 @@ STYLET_INLINE void predict_range(const ExplicitArrays& x,
     const V place = load_lanes<V>(x.u0 + i) + h * now;
     store_lanes(x.v + i, now);
     store_lanes(x.u + i, place);
-    store_lanes(x.a + i, V{});
-    if (stiffness_factor != 0) store_lanes(x.stretched + i, place + stiffness_factor * now);
+    store_lanes(x.force + i, V{});
+    if (x.stretched != x.u) store_lanes(x.stretched + i, place + stiffness_factor * now);
     const V momentum = load_twice<V>(x.mass + i / 2) * now;
     add_lanes(start, before * momentum);
     add_lanes(middle, now * momentum);
@@ -148,13 +148,12 @@ STYLET_INLINE void predict_range(const ExplicitArrays& x,
     sums.half += squares;
     x.u[i] = place;
     x.v[i] = now;
-    if (stiffness_factor != 0) x.stretched[i] = place + stiffness_factor * now;
+    if (x.stretched != x.u) x.stretched[i] = place + stiffness_factor * now;
   }
 }
 
 STYLET_INLINE void accelerate_range(const ExplicitArrays& x,
                                     const ExplicitFactors& f,
-                                    const double* force,
                                     std::size_t begin,
                                     std::size_t end,
                                     StepSums& sums) {
@@ -166,7 +165,7 @@ STYLET_INLINE void accelerate_range(const ExplicitArrays& x,
   in_pairs(begin, end, [&]<class V>(std::size_t i, V) STYLET_INNER {
     const V root = load_twice<V>(x.inverse_root + i / 2);
     const V before = load_lanes<V>(x.v + i);
-    V rest = -load_lanes<V>(force + i);
+    V rest = -load_lanes<V>(x.force + i);
     if (x.load != nullptr) {
       const V load = load_lanes<V>(x.load + i);
       rest += load;
@@ -201,71 +200,114 @@ class Fetch {
   std::size_t dof_;
 };
 
-STYLET_INLINE std::size_t end_of(const ExplicitArrays& x, std::size_t k) {
-  return std::min(x.n_nodes, (k + 1) * CellKernel::block);
+STYLET_INLINE std::size_t end_of(std::size_t k, std::size_t n_nodes) {
+  return std::min(n_nodes, (k + 1) * CellKernel::block);
 }
 
-STYLET_LANES void step_plain(const ExplicitArrays& x,
+/// Predicts nodes as far as a block of triangles reads them; none if that has been done.
+class Front {
+ public:
+  STYLET_INLINE Front(const ExplicitArrays& x, const CellKernel& cells, bool done)
+      : predicted_(done ? cells.nodes().n_all() : 0), n_nodes_(x.n_nodes) {}
+  STYLET_INLINE void advance(const ExplicitArrays& x,
+                             const ExplicitFactors& f,
+                             std::size_t reach,
+                             std::span<const GivenPlace>& given,
+                             StepSums& sums) {
+    if (reach <= predicted_) return;
+    predict_range(x, f, predicted_, reach, given, sums);
+    predicted_ = reach;
+  }
+  /// To be fetched next.
+  [[nodiscard]] std::size_t next() const { return std::min(predicted_, n_nodes_); }
+
+ private:
+  std::size_t predicted_;
+  std::size_t n_nodes_;
+};
+
+STYLET_INLINE void accelerate_block(const ExplicitArrays& x,
+                                    const ExplicitFactors& f,
+                                    std::size_t k,
+                                    StepSums& sums) {
+  const std::size_t begin = k * CellKernel::block;
+  if (begin < x.n_nodes) accelerate_range(x, f, begin, end_of(k, x.n_nodes), sums);
+}
+
+STYLET_LANES void pass_plain(const ExplicitArrays& x,
                              const ExplicitFactors& f,
                              const CellKernel& cells,
                              std::span<const GivenPlace> given,
+                             bool predicted,
                              StepSums& sums) {
-  std::size_t predicted = 0;
+  Front front(x, cells, predicted);
   for (std::size_t k = 0; k < cells.n_blocks(); ++k) {
-    if (cells.reach(k) > predicted) {
-      predict_range(x, f, predicted, cells.reach(k), given, sums);
-      predicted = cells.reach(k);
-    }
-    Fetch fetch(x, predicted);
+    front.advance(x, f, cells.reach(k), given, sums);
+    Fetch fetch(x, front.next());
     cells.groups_of(k, [&](std::size_t i) STYLET_INNER {
       const CellKernel::Group& c = cells.groups()[i];
       fetch.next(&c);
       const Gradient h = gradient(c, x.stretched);
-      push(c, h, load_lanes(c.volume) * (h.xx + h.yy), x.a);
+      push(c, h, load_lanes(c.volume) * (h.xx + h.yy), x.force);
     });
-    accelerate_range(x, f, x.a, k * CellKernel::block, end_of(x, k), sums);
+    accelerate_block(x, f, k, sums);
   }
 }
 
 // A block's pressures are known once all blocks up to it have added their dilatation, its forces once
 // all cells that its own cells' corners are in have pushed.
-STYLET_LANES void step_averaged(const ExplicitArrays& x,
+STYLET_LANES void pass_averaged(const ExplicitArrays& x,
                                 const ExplicitFactors& f,
                                 const CellKernel& cells,
                                 std::span<const GivenPlace> given,
+                                bool predicted,
                                 double* pressure,
                                 StepSums& sums) {
   const auto& stiffness = cells.stiffnesses();
   const auto& further = cells.further_patches();
-  std::fill(pressure + x.n_nodes, pressure + stiffness.size(), 0.0);
-  std::size_t predicted = 0;
+  const std::size_t n_nodes = cells.nodes().n_all();
+  std::fill(pressure + n_nodes, pressure + stiffness.size(), 0.0);
+  Front front(x, cells, predicted);
+  std::size_t cleared = 0;
   std::size_t next_further = 0;
   std::size_t pushed = 0;
   for (std::size_t k = 0; k < cells.n_blocks(); ++k) {
-    if (cells.reach(k) > predicted) {
-      predict_range(x, f, predicted, cells.reach(k), given, sums);
-      std::fill(pressure + predicted, pressure + cells.reach(k), 0.0);
-      predicted = cells.reach(k);
-    }
-    Fetch fetch(x, predicted);
+    front.advance(x, f, cells.reach(k), given, sums);
+    for (; cleared < cells.reach(k); ++cleared) pressure[cleared] = 0;
+    Fetch fetch(x, front.next());
     cells.groups_of(k, [&](std::size_t i) STYLET_INNER {
       fetch.next(cells.groups() + i);
       dilate(cells.groups()[i], cells.patches()[i], x.stretched, pressure);
     });
-    const std::size_t end = end_of(x, k);
+    const std::size_t end = end_of(k, n_nodes);
     for (std::size_t n = k * CellKernel::block; n < end; ++n) pressure[n] *= stiffness[n];
     for (; next_further < further.size() && at(further[next_further]) < end; ++next_further) {
-      pressure[x.n_nodes + next_further] *= stiffness[x.n_nodes + next_further];
+      pressure[n_nodes + next_further] *= stiffness[n_nodes + next_further];
     }
     for (; pushed <= k && cells.reach(pushed) <= end; ++pushed) {
       cells.groups_of(pushed, [&](std::size_t i) STYLET_INNER {
         const CellKernel::Group& c = cells.groups()[i];
         push(c, gradient(c, x.stretched),
-             load_lanes(c.volume) * pressures(cells.patches()[i], pressure), x.a);
+             load_lanes(c.volume) * pressures(cells.patches()[i], pressure), x.force);
       });
-      accelerate_range(x, f, x.a, pushed * CellKernel::block, end_of(x, pushed), sums);
+      accelerate_block(x, f, pushed, sums);
     }
   }
+}
+
+void pass(const ExplicitArrays& x,
+          const ExplicitFactors& f,
+          const CellKernel& cells,
+          std::span<const GivenPlace> given,
+          bool predicted,
+          std::vector<double>& pressure,
+          StepSums& sums) {
+  if (!cells.averaged()) {
+    pass_plain(x, f, cells, given, predicted, sums);
+    return;
+  }
+  pressure.resize(cells.stiffnesses().size());
+  pass_averaged(x, f, cells, given, predicted, pressure.data(), sums);
 }
 
 }  // namespace
@@ -279,9 +321,11 @@ void predict(const ExplicitArrays& x,
 
 void accelerate(const ExplicitArrays& x,
                 const ExplicitFactors& f,
-                const double* force,
+                const CellKernel& cells,
+                std::vector<double>& pressure,
                 StepSums& sums) {
-  accelerate_range(x, f, force, 0, x.n_nodes, sums);
+  std::fill(x.force + 2 * x.n_nodes, x.force + 2 * cells.nodes().n_all(), 0.0);
+  pass(x, f, cells, {}, true, pressure, sums);
 }
 
 void step(const ExplicitArrays& x,
@@ -290,12 +334,7 @@ void step(const ExplicitArrays& x,
           std::span<const GivenPlace> given,
           std::vector<double>& pressure,
           StepSums& sums) {
-  if (!cells.averaged()) {
-    step_plain(x, f, cells, given, sums);
-    return;
-  }
-  pressure.resize(cells.stiffnesses().size());
-  step_averaged(x, f, cells, given, pressure.data(), sums);
+  pass(x, f, cells, given, false, pressure, sums);
 }
 
 }  // namespace stylet

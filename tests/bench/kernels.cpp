@@ -119,9 +119,9 @@ void explicit_step(benchmark::State& state, const std::vector<std::string>& over
     mass.push_back(masses[dof]);
     inverse_root.push_back(1 / std::sqrt(masses[dof]));
   }
-  const ExplicitArrays x{n / 2,           field[0].data(), field[1].data(),    field[2].data(),
-                         field[3].data(), field[4].data(), field[5].data(),    field[3].data(),
-                         nullptr,         mass.data(),     inverse_root.data()};
+  const ExplicitArrays x{n / 2,           field[0].data(), field[1].data(), field[2].data(),
+                         field[3].data(), field[4].data(), field[5].data(), field[3].data(),
+                         field[5].data(), nullptr,         mass.data(),     inverse_root.data()};
   for (auto _ : state) {
     StepSums sums;
     step(x, {1e-9, 200, 0}, cells, {}, pressure, sums);

@@ -1,4 +1,4 @@
-// The triangles as K u of an explicit step needs them, on one rank: four at a time, with stored
+// The triangles as K u of an explicit step needs them: four at a time, with stored
 // gradients, in the order of their lowest node. A triangle's data are half of the bytes of its share of
 // K's blocks, and a fifth where the dilatation is averaged.
 #pragma once
@@ -6,13 +6,40 @@
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/mesh/mesh.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace stylet {
 
+/// Local numbers of nodes: owned ones, then the ghosts that this rank's triangles also have.
+class LocalNodes {
+ public:
+  LocalNodes() = default;
+  /// Owned: first .. end - 1. ghosts: ascending.
+  LocalNodes(int first, int end, std::vector<int> ghosts)
+      : first_(first), n_owned_(end - first), ghosts_(std::move(ghosts)) {}
+  [[nodiscard]] std::size_t n_owned() const { return static_cast<std::size_t>(n_owned_); }
+  [[nodiscard]] std::size_t n_all() const { return n_owned() + ghosts_.size(); }
+  [[nodiscard]] const std::vector<int>& ghosts() const { return ghosts_; }
+  [[nodiscard]] bool owns(int node) const { return node >= first_ && node < first_ + n_owned_; }
+  /// -1 if it is neither.
+  [[nodiscard]] int of(int node) const {
+    if (owns(node)) return node - first_;
+    const auto found = std::ranges::lower_bound(ghosts_, node);
+    if (found == ghosts_.end() || *found != node) return -1;
+    return n_owned_ + static_cast<int>(found - ghosts_.begin());
+  }
+
+ private:
+  int first_ = 0;
+  int n_owned_ = 0;
+  std::vector<int> ghosts_;
+};
+
+/// All that push owned nodes, and one ring more, where flips may bring others in.
 class CellKernel {
  public:
   static constexpr std::size_t lanes = 4;
@@ -32,12 +59,17 @@ class CellKernel {
 
   CellKernel() = default;
   CellKernel(const Mesh& mesh, const TissueOperator& tissue);
-  /// Takes these cells anew; constant time for each.
-  void update(const Mesh& mesh, const TissueOperator& tissue, std::span<const int> cells);
+  /// Takes these cells anew; constant time for each. False if flips have brought in nodes that have no
+  /// local number: then a new kernel is needed.
+  [[nodiscard]] bool update(const Mesh& mesh,
+                            const TissueOperator& tissue,
+                            std::span<const int> cells);
+
+  [[nodiscard]] const LocalNodes& nodes() const { return nodes_; }
 
   [[nodiscard]] bool averaged() const { return averaged_; }
   [[nodiscard]] std::size_t n_blocks() const { return reach_.size(); }
-  /// Cells of block k have nodes from k * block to reach(k) - 1.
+  /// Of local nodes: cells of block k have nodes from k * block to reach(k) - 1.
   [[nodiscard]] std::size_t reach(std::size_t k) const { return reach_[k]; }
   /// Calls each(group index) for the groups of a block.
   template <class Each>
@@ -58,10 +90,14 @@ class CellKernel {
  private:
   std::size_t add_group(std::size_t of);
   void put(std::size_t slot, const Mesh& mesh, const TissueOperator& tissue, int cell);
-  [[nodiscard]] int patch_of(const Mesh& mesh, int node, int region) const;
+  [[nodiscard]] bool needs(const Mesh& mesh, int cell) const;
+  [[nodiscard]] bool knows(std::span<const int> nodes) const;
+  [[nodiscard]] std::size_t block_of(std::span<const int> nodes) const;
+  [[nodiscard]] int patch_of(int local, int region) const;
   void weigh(const Mesh& mesh, const TissueOperator& tissue, int node);
 
   bool averaged_ = false;
+  LocalNodes nodes_;
   std::vector<Group> groups_;     ///< in order, then those of cells that flips took out of it
   std::vector<Patches> patches_;  ///< of the groups, if averaged
   std::vector<std::size_t> group_block_;
@@ -69,11 +105,12 @@ class CellKernel {
   std::vector<std::size_t> reach_;
   std::vector<int> moved_;  ///< of a block, its last group out of order, or -1
   std::vector<int> next_moved_;
+  static constexpr std::size_t nowhere = static_cast<std::size_t>(-1);
   std::vector<std::size_t> slot_;  ///< of a cell: lanes * group + lane
   std::vector<double> patch_stiffness_;
   std::vector<int> further_node_;
   std::vector<int> further_region_;
-  std::vector<int> first_region_;  ///< of patches 0 .. n_nodes - 1
+  std::vector<int> first_region_;  ///< of patches of local nodes
 };
 
 }  // namespace stylet

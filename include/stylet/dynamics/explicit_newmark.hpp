@@ -46,6 +46,8 @@ class ExplicitNewmark final : public TimeIntegrator {
     double lambda = 0;
     double working = 0;
   };
+  void make_kernel(const Mesh& mesh);
+  [[nodiscard]] bool agreed(bool yes) const;
   void advance(double h, Vec u, Vec v);
   void accelerate_again(std::span<const int> rows, std::span<const int> columns);
   void restore();
@@ -60,10 +62,10 @@ class ExplicitNewmark final : public TimeIntegrator {
   RayleighDamping damping_;
   std::vector<double> root_mass_;  ///< 1/sqrt of the nodal masses of all nodes
   std::vector<double> node_mass_;  ///< of owned nodes (kg)
-  CellKernel cells_;               ///< on one rank
-  std::vector<double> pressure_;   ///< room for it
-  MaximumTree row_sums_;           ///< of owned nodes, (rad/s)^2
-  double largest_row_sum_ = 0;     ///< of all ranks
+  CellKernel cells_;
+  std::vector<double> pressure_;  ///< room for it
+  MaximumTree row_sums_;          ///< of owned nodes, (rad/s)^2
+  double largest_row_sum_ = 0;    ///< of all ranks
   OwnedTs ts_;
   State* state_ = nullptr;
   Vec load_ = nullptr;
@@ -86,8 +88,8 @@ class ExplicitNewmark final : public TimeIntegrator {
   OwnedVec u_;
   OwnedVec v_;
   OwnedVec a_;
-  OwnedVec force_;
-  OwnedVec stretched_;
+  OwnedVec stretched_;         ///< with ghosts
+  std::vector<double> force_;  ///< with ghosts, on several ranks
   OwnedVec reaction_;
   OwnedVec working_;
 };

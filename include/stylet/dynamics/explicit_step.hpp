@@ -1,9 +1,10 @@
-// One explicit step on plain arrays; dof = 2 node + component.
+// One explicit step on plain arrays of a rank's nodes; dof = 2 local node + component.
 //
 // On one rank it is one pass over the mesh. Nodes are numbered so that triangles join near ones; block
 // by block of them, they are predicted just before the first triangle that reads them and get their
 // acceleration just after the last one that pushes them, so that what a block needs comes from memory
-// once (the wavefront of stencil codes).
+// once (the wavefront of stencil codes). On several ranks the prediction comes first, since ghosts have
+// to be sent.
 #pragma once
 
 #include "stylet/dynamics/cell_kernel.hpp"
@@ -15,14 +16,16 @@
 namespace stylet {
 
 struct ExplicitArrays {
-  std::size_t n_nodes;
-  const double* u0;  ///< start of the step
+  std::size_t n_nodes;  ///< owned
+  const double* u0;     ///< start of the step
   const double* v0;
   const double* a0;
   double* u;  ///< end of the step
   double* v;  ///< after `predict` the velocity of the half step
   double* a;
-  double* stretched;           ///< u + stiffness_factor v of the half step; u where that is 0
+  /// u + stiffness_factor v of the half step; may be u where that is 0. With ghosts.
+  double* stretched;
+  double* force;               ///< K stretched, with ghosts; may be a if there are none
   const double* load;          ///< null if there is none
   const double* mass;          ///< one a node
   const double* inverse_root;  ///< 1 / sqrt(mass)
@@ -55,12 +58,14 @@ void predict(const ExplicitArrays& x,
              const ExplicitFactors& f,
              std::span<const GivenPlace> given,
              StepSums& sums);
-/// a = ((load - force)/mass - mass_factor v) / (1 + h/2 mass_factor), v = v + h/2 a.
+/// force = K stretched, a = ((load - force)/mass - mass_factor v) / (1 + h/2 mass_factor),
+/// v = v + h/2 a. pressure: room for the kernel's patches.
 void accelerate(const ExplicitArrays& x,
                 const ExplicitFactors& f,
-                const double* force,
+                const CellKernel& cells,
+                std::vector<double>& pressure,
                 StepSums& sums);
-/// Both, with force = K stretched. pressure: room for the kernel's patches.
+/// Both in one pass, on one rank.
 void step(const ExplicitArrays& x,
           const ExplicitFactors& f,
           const CellKernel& cells,
