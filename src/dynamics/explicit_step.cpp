@@ -3,6 +3,7 @@
 #include "stylet/base/lanes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace stylet {
@@ -113,6 +114,8 @@ STYLET_INLINE void in_pairs(std::size_t begin, std::size_t end, Each&& each) {
   if (node < end) each(2 * node, Pair{});
 }
 
+// clears: forces too.
+template <bool clears>
 STYLET_INLINE void predict_range(const ExplicitArrays& x,
                                  const ExplicitFactors& f,
                                  std::size_t begin,
@@ -130,7 +133,7 @@ STYLET_INLINE void predict_range(const ExplicitArrays& x,
     const V place = load_lanes<V>(x.u0 + i) + h * now;
     store_lanes(x.v + i, now);
     store_lanes(x.u + i, place);
-    store_lanes(x.force + i, V{});
+    if constexpr (clears) store_lanes(x.force + i, V{});
     if (x.stretched != x.u) store_lanes(x.stretched + i, place + stiffness_factor * now);
     const V momentum = load_twice<V>(x.mass + i / 2) * now;
     add_lanes(start, before * momentum);
@@ -184,46 +187,55 @@ STYLET_INLINE void accelerate_range(const ExplicitArrays& x,
 // block, and large meshes take a quarter longer.
 class Fetch {
  public:
-  STYLET_INLINE Fetch(const ExplicitArrays& x, std::size_t node)
-      : fields_{x.u0, x.v0, x.a0, x.u, x.v, x.a}, dof_(2 * node) {}
+  /// Fields from where each will be read next.
+  STYLET_INLINE explicit Fetch(std::array<const double*, 6> fields) : fields_(fields) {}
   STYLET_INLINE void next(const CellKernel::Group* group) {
     constexpr std::size_t ahead = 16;
     constexpr std::size_t cache_line = 64;
     const auto* const bytes = reinterpret_cast<const char*>(group + ahead);
     for (std::size_t i = 0; i < sizeof *group; i += cache_line) __builtin_prefetch(bytes + i);
-    for (const double* field : fields_) __builtin_prefetch(field + dof_);
-    dof_ += 4;  // two nodes for four triangles
+    for (const double* field : fields_) __builtin_prefetch(field + offset_);
+    offset_ += 4;  // two nodes for four triangles
   }
 
  private:
-  const double* fields_[6];
-  std::size_t dof_;
+  std::array<const double*, 6> fields_;
+  std::size_t offset_ = 0;
 };
 
 STYLET_INLINE std::size_t end_of(std::size_t k, std::size_t n_nodes) {
   return std::min(n_nodes, (k + 1) * CellKernel::block);
 }
 
-/// Predicts nodes as far as a block of triangles reads them; none if that has been done.
+/// Prepares nodes as far as a block of triangles reads them: predicts them, or if that has been done
+/// clears their forces.
 class Front {
  public:
-  STYLET_INLINE Front(const ExplicitArrays& x, const CellKernel& cells, bool done)
-      : predicted_(done ? cells.nodes().n_all() : 0), n_nodes_(x.n_nodes) {}
+  STYLET_INLINE explicit Front(bool predicted) : predicted_(predicted) {}
   STYLET_INLINE void advance(const ExplicitArrays& x,
                              const ExplicitFactors& f,
                              std::size_t reach,
                              std::span<const GivenPlace>& given,
                              StepSums& sums) {
-    if (reach <= predicted_) return;
-    predict_range(x, f, predicted_, reach, given, sums);
-    predicted_ = reach;
+    if (reach <= done_) return;
+    if (predicted_) {
+      std::fill(x.force + 2 * done_, x.force + 2 * reach, 0.0);
+    } else {
+      predict_range<true>(x, f, done_, reach, given, sums);
+    }
+    done_ = reach;
   }
-  /// To be fetched next.
-  [[nodiscard]] std::size_t next() const { return std::min(predicted_, n_nodes_); }
+  [[nodiscard]] STYLET_INLINE Fetch fetch(const ExplicitArrays& x, std::size_t k) const {
+    const std::size_t i = 2 * done_;
+    if (!predicted_) return Fetch({x.u0 + i, x.v0 + i, x.a0 + i, x.u + i, x.v + i, x.a + i});
+    const std::size_t next = 2 * (k + 1) * CellKernel::block;
+    return Fetch({x.stretched + i, x.force + i, x.v + next, x.a + next, x.inverse_root + next / 2,
+                  x.inverse_root + next / 2});
+  }
 
  private:
-  std::size_t predicted_;
-  std::size_t n_nodes_;
+  bool predicted_;
+  std::size_t done_ = 0;
 };
 
 STYLET_INLINE void accelerate_block(const ExplicitArrays& x,
@@ -240,10 +252,10 @@ STYLET_LANES void pass_plain(const ExplicitArrays& x,
                              std::span<const GivenPlace> given,
                              bool predicted,
                              StepSums& sums) {
-  Front front(x, cells, predicted);
+  Front front(predicted);
   for (std::size_t k = 0; k < cells.n_blocks(); ++k) {
     front.advance(x, f, cells.reach(k), given, sums);
-    Fetch fetch(x, front.next());
+    Fetch fetch = front.fetch(x, k);
     cells.groups_of(k, [&](std::size_t i) STYLET_INNER {
       const CellKernel::Group& c = cells.groups()[i];
       fetch.next(&c);
@@ -267,14 +279,14 @@ STYLET_LANES void pass_averaged(const ExplicitArrays& x,
   const auto& further = cells.further_patches();
   const std::size_t n_nodes = cells.nodes().n_all();
   std::fill(pressure + n_nodes, pressure + stiffness.size(), 0.0);
-  Front front(x, cells, predicted);
+  Front front(predicted);
   std::size_t cleared = 0;
   std::size_t next_further = 0;
   std::size_t pushed = 0;
   for (std::size_t k = 0; k < cells.n_blocks(); ++k) {
     front.advance(x, f, cells.reach(k), given, sums);
     for (; cleared < cells.reach(k); ++cleared) pressure[cleared] = 0;
-    Fetch fetch(x, front.next());
+    Fetch fetch = front.fetch(x, k);
     cells.groups_of(k, [&](std::size_t i) STYLET_INNER {
       fetch.next(cells.groups() + i);
       dilate(cells.groups()[i], cells.patches()[i], x.stretched, pressure);
@@ -316,7 +328,7 @@ void predict(const ExplicitArrays& x,
              const ExplicitFactors& f,
              std::span<const GivenPlace> given,
              StepSums& sums) {
-  predict_range(x, f, 0, x.n_nodes, given, sums);
+  predict_range<false>(x, f, 0, x.n_nodes, given, sums);
 }
 
 void accelerate(const ExplicitArrays& x,
@@ -324,7 +336,6 @@ void accelerate(const ExplicitArrays& x,
                 const CellKernel& cells,
                 std::vector<double>& pressure,
                 StepSums& sums) {
-  std::fill(x.force + 2 * x.n_nodes, x.force + 2 * cells.nodes().n_all(), 0.0);
   pass(x, f, cells, {}, true, pressure, sums);
 }
 

@@ -49,7 +49,7 @@ void Factor::set_up(Mat a, std::span<const PetscInt> eliminated) {
   const LogScope scope(event);
   operator_.take(a, eliminated);
   check(PCSetOperators(pc_.get(), operator_.matrix(), operator_.matrix()));
-  if (n_set_ups_ == 0) {
+  if (!configured_) {
     check(PCSetFromOptions(pc_.get()));
     widen_smoother(pc_.get());
   }
@@ -61,7 +61,7 @@ void Factor::set_up(Mat a, std::span<const PetscInt> eliminated) {
         "the step's operator cannot be factored: it is singular or indefinite (is "
         "the tissue supported, and are all elements valid?)");
   }
-  ++n_set_ups_;
+  configured_ = true;
 }
 
 void Factor::apply(Vec b, Vec x) const {

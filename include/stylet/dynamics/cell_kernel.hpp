@@ -1,6 +1,6 @@
-// The triangles as K u of an explicit step needs them: four at a time, with stored
-// gradients, in the order of their lowest node. A triangle's data are half of the bytes of its share of
-// K's blocks, and a fifth where the dilatation is averaged.
+// The triangles as K u of an explicit step needs them: four at a time, with stored gradients, in the
+// order of their lowest node. A triangle's data are half of the bytes of its share of K's blocks, and a
+// fifth where the dilatation is averaged.
 #pragma once
 
 #include "stylet/fem/tissue_operator.hpp"

@@ -26,7 +26,7 @@ class Factor {
  private:
   OwnedPc pc_;
   Eliminated operator_;
-  int n_set_ups_ = 0;
+  bool configured_ = false;
 };
 
 }  // namespace stylet
