@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace stylet {
 
@@ -26,23 +25,18 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
                                  const TimeParameters& parameters)
     : tissue_(tissue),
       safety_(parameters.safety),
-      damping_(tissue.damping().value_or(RayleighDamping{})) {
+      damping_(tissue.damping().value_or(RayleighDamping{})),
+      bound_(tissue) {
   for (OwnedVec* vec : {&u_, &v_, &a_, &reaction_, &working_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
-  root_mass_.reserve(static_cast<std::size_t>(mesh.n_nodes()));
-  const auto masses = gather_all(tissue.lumped_mass());
-  for (std::size_t i = 0; i < masses.size(); i += 2) root_mass_.push_back(1 / std::sqrt(masses[i]));
+  const Values masses(tissue.lumped_mass());
   for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += 2) {
-    node_mass_.push_back(masses[static_cast<std::size_t>(dof)]);
+    node_mass_.push_back(masses[dof]);
   }
   make_kernel(mesh);
-  row_sums_ = MaximumTree(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
-  std::vector<int> all(root_mass_.size());
-  std::iota(all.begin(), all.end(), 0);
-  update_row_sums({}, all);
-  const double undamped = safety_ * stylet::stable_step(largest_row_sum_, 0);
+  const double undamped = safety_ * stylet::stable_step(bound_.value(), 0);
   constexpr double hopeless = 0.02;
   if (stable_step() < hopeless * undamped) {
     throw InputError("key 'tissue.damping.stiffness_factor': " + exact(damping_.stiffness_factor) +
@@ -79,14 +73,19 @@ bool ExplicitNewmark::agreed(bool yes) const {
 }
 
 double ExplicitNewmark::stable_step() const {
-  return safety_ * stylet::stable_step(largest_row_sum_, damping_.stiffness_factor);
+  return safety_ * stylet::stable_step(bound_.value(), damping_.stiffness_factor);
 }
 
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   const auto changed = tissue_.rows_of(mesh, cells);
   const auto rows = tissue_.coupled(mesh, changed);
   if (!agreed(cells_.update(mesh, tissue_, cells))) make_kernel(mesh);
-  update_row_sums(changed, rows);
+  bound_.update(changed, rows);
+  const Values masses(tissue_.lumped_mass());
+  for (const int node : changed) {
+    if (!tissue_.owns(node)) continue;
+    node_mass_[static_cast<std::size_t>(node - tissue_.first_dof() / 2)] = masses[2 * node];
+  }
   if (state_ != nullptr) accelerate_again(changed, rows);
 }
 
@@ -129,46 +128,6 @@ void ExplicitNewmark::accelerate_again(std::span<const int> rows, std::span<cons
   }
 }
 
-// changed: nodes with a new row or mass; rows: theirs and those that couple to them. Both ascending.
-void ExplicitNewmark::update_row_sums(std::span<const int> changed, std::span<const int> rows) {
-  std::vector<int> dofs;
-  for (const int node : changed) dofs.push_back(2 * node);
-  const Vec vectors[1] = {tissue_.lumped_mass()};
-  const auto masses = gather(vectors, dofs)[0];
-  for (std::size_t i = 0; i < changed.size(); ++i) {
-    root_mass_[static_cast<std::size_t>(changed[i])] = 1 / std::sqrt(masses[i]);
-    if (!tissue_.owns(changed[i])) continue;
-    node_mass_[static_cast<std::size_t>(changed[i] - tissue_.first_dof() / 2)] = masses[i];
-  }
-  for (const int node : rows) {
-    if (!tissue_.owns(node)) continue;
-    row_sums_.set(static_cast<std::size_t>(node - tissue_.first_dof() / 2), row_sum(node));
-  }
-  largest_row_sum_ = row_sums_.largest();
-  if (size_of(tissue_.comm()) > 1) {
-    check_mpi(
-        MPI_Allreduce(MPI_IN_PLACE, &largest_row_sum_, 1, MPI_DOUBLE, MPI_MAX, tissue_.comm()));
-  }
-}
-
-// The larger of a node's two rows.
-double ExplicitNewmark::row_sum(int node) const {
-  double largest = 0;
-  for (int row = 2 * node; row < 2 * node + 2; ++row) {
-    PetscInt n = 0;
-    const PetscInt* columns = nullptr;
-    const PetscScalar* values = nullptr;
-    check(MatGetRow(tissue_.stiffness(), row, &n, &columns, &values));
-    double sum = 0;
-    for (PetscInt j = 0; j < n; ++j) {
-      sum += std::abs(values[j]) * root_mass_[static_cast<std::size_t>(columns[j] / 2)];
-    }
-    check(MatRestoreRow(tissue_.stiffness(), row, &n, &columns, &values));
-    largest = std::max(largest, sum);
-  }
-  return largest * root_mass_[static_cast<std::size_t>(node)];
-}
-
 void ExplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
   state_ = &state;
   load_ = load;
@@ -209,7 +168,7 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
     then(ExplicitArrays{node_mass_.size(), u0.data(), v0.data(), a0.data(), u1.data(), v1.data(),
                         a1.data(), alone && stiffness_factor == 0 ? u1.data() : s.data(),
                         alone ? a1.data() : force_.data(), load_size > 0 ? load.data() : nullptr,
-                        node_mass_.data(), root_mass_.data() + first});
+                        node_mass_.data(), bound_.inverse_roots().data() + first});
   };
   if (alone) {
     lend([&](const ExplicitArrays& x) { step(x, factors, cells_, given_, pressure_, sums); });

@@ -145,6 +145,7 @@ void EnergyLedger::add(const TissueOperator& tissue,
     const double at_end = dot(load1, increment_.get());
     const double at_start = load0 == nullptr ? at_end : dot(load0, increment_.get());
     energies_.external += (1 - end_weight_) * at_start + end_weight_ * at_end;
+    if (is_explicit_) energies_.external += onset_work(tissue, end, h, load0, load1);
   }
   // In implicit schemes damping acts on the mean velocity of the step, increment / h. Explicit ones take
   // for the forces of a time the velocity of that time to damp mass, which they book themselves, and
@@ -162,6 +163,29 @@ void EnergyLedger::add(const TissueOperator& tissue,
     check(VecCopy(increment_.get(), half_velocity_.get()));
     check(VecScale(half_velocity_.get(), 1 / h));
   }
+}
+
+// What a load does that begins at the end of an explicit step: half a step is already under it, so that
+// tissue at rest has a velocity, but no displacement to give the mean load work. It is what it adds to
+// h^2/8 a M a. increment_: of this step.
+double EnergyLedger::onset_work(
+    const TissueOperator& tissue, const Trial& end, double h, Vec load0, Vec load1) const {
+  const double damped = 1 + 0.5 * h * tissue.damping().value_or(RayleighDamping{}).mass_factor;
+  double sum = 0;
+  {
+    const Values before(load0);
+    const Values after(load1);
+    const Values v(end.v);
+    const Values increment(increment_.get());
+    const Values mass(tissue.lumped_mass());
+    for (int dof = tissue.first_dof(); dof < tissue.end_dof(); ++dof) {
+      const double change = (after[dof] - before[dof]) / (mass[dof] * damped);
+      const double a = (v[dof] - increment[dof] / h) * 2 / h;
+      if (change != 0 && a != 0) sum += mass[dof] * change * (2 * a - change);  // else it is held
+    }
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, tissue.comm()));
+  return h * h / 8 * sum;
 }
 
 void EnergyLedger::measure(const TissueOperator& tissue, const State& state) {

@@ -96,24 +96,26 @@ double strictness(Plane plane, Formulation formulation, double jitter) {
   return 2 / std::sqrt(dense_modes(body.tissue, {}).squares.back()) / integrator.stable_step();
 }
 
-TEST(StableStep, RowSumsAreAboveTheTrueEigenvalue) {
+TEST(StableStep, BoundIsAboveTheTrueEigenvalue) {
   for (const Plane plane : {Plane::stress, Plane::strain}) {
     for (const Formulation formulation : {Formulation::p1, Formulation::p1_averaged}) {
       for (const double jitter : {0.0, 0.2}) {
         const double times = strictness(plane, formulation, jitter);
         EXPECT_GE(times, 1);
-        // A bound far off would make interactive runs slow.
-        EXPECT_LE(times, 1.5);
+        // A bound far off would make interactive runs slow: row sums alone give up to 1.5.
+        EXPECT_LE(times, 1.2);
       }
     }
   }
 }
 
-// Moved nodes and flipped edges: as a fresh integrator finds it on the edited mesh.
+// Moved nodes: still safe, not far off, and as before once they are back.
 TEST(StableStep, FollowsEdits) {
   auto p = material({60e3, 0.45, 1000}, Plane::stress, MassKind::lumped, 0.01);
   Body body(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6, .jitter = 0.1}), p);
-  ExplicitNewmark integrator(body.tissue, body.mesh, central_difference());
+  TimeParameters time = central_difference();
+  time.safety = 1;
+  ExplicitNewmark integrator(body.tissue, body.mesh, time);
   const double before = integrator.stable_step();
   int inner = 0;
   while (body.mesh.on_boundary(inner)) ++inner;
@@ -123,8 +125,9 @@ TEST(StableStep, FollowsEdits) {
     const auto around = body.mesh.cells_around(inner);
     body.tissue.update(body.mesh, around);
     integrator.touched(body.mesh, around);
-    const ExplicitNewmark fresh(body.tissue, body.mesh, central_difference());
-    EXPECT_DOUBLE_EQ(integrator.stable_step(), fresh.stable_step()) << shift;
+    const double limit = 2 / std::sqrt(dense_modes(body.tissue, {}).squares.back());
+    EXPECT_LE(integrator.stable_step(), limit) << shift;
+    EXPECT_GE(integrator.stable_step(), 0.7 * limit) << shift;
     if (shift == 4e-3) {
       EXPECT_LT(integrator.stable_step(), before);
     }

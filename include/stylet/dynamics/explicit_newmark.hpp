@@ -10,8 +10,8 @@
 // step. The forces of contact are those that bring the free velocities to the given ones.
 #pragma once
 
+#include "stylet/dynamics/eigenvalue_bound.hpp"
 #include "stylet/dynamics/explicit_step.hpp"
-#include "stylet/dynamics/maximum_tree.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 
@@ -29,8 +29,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool) override { return trial_; }
   void accept() override;
-  /// From the largest absolute row sum of M^-1/2 K M^-1/2 (Gershgorin), which is never below its
-  /// largest eigenvalue, times the safety factor.
+  /// Of the bound on the largest eigenvalue, times the safety factor.
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return true; }
@@ -54,18 +53,14 @@ class ExplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] bool is_given(int dof, std::span<const PrescribedDof> dofs) const;
   [[nodiscard]] bool places_same_dofs(const ConstraintSet& constraints) const;
   Multipliers apply(const ConstraintSet& constraints);
-  void update_row_sums(std::span<const int> changed, std::span<const int> rows);
-  [[nodiscard]] double row_sum(int node) const;
 
   TissueOperator& tissue_;
   double safety_;
   RayleighDamping damping_;
-  std::vector<double> root_mass_;  ///< 1/sqrt of the nodal masses of all nodes
+  EigenvalueBound bound_;
   std::vector<double> node_mass_;  ///< of owned nodes (kg)
   CellKernel cells_;
   std::vector<double> pressure_;  ///< room for it
-  MaximumTree row_sums_;          ///< of owned nodes, (rad/s)^2
-  double largest_row_sum_ = 0;    ///< of all ranks
   OwnedTs ts_;
   State* state_ = nullptr;
   Vec load_ = nullptr;

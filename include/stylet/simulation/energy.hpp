@@ -74,6 +74,8 @@ class EnergyLedger {
  private:
   void compare();
   void measure(const TissueOperator& tissue, const State& state);
+  [[nodiscard]] double onset_work(
+      const TissueOperator& tissue, const Trial& end, double h, Vec load0, Vec load1) const;
 
   bool inertia_;
   double end_weight_;
