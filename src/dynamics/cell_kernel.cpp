@@ -1,5 +1,6 @@
 #include "stylet/dynamics/cell_kernel.hpp"
 
+#include "stylet/base/index.hpp"
 #include "stylet/base/sorted.hpp"
 #include "stylet/fem/element.hpp"
 
@@ -10,10 +11,6 @@
 namespace stylet {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 // Cells with a node that is at most `rings` edges away from an owned one; ascending.
 std::vector<int> cells_within(const Mesh& mesh, const TissueOperator& tissue, int rings) {
@@ -34,6 +31,10 @@ std::vector<int> cells_within(const Mesh& mesh, const TissueOperator& tissue, in
   }
 }
 
+std::vector<VolumePatch> patches_of(const Mesh& mesh, const TissueOperator& tissue, int node) {
+  return volume_patches(mesh, node, [&](int cell) { return tissue.moduli(cell).lambda; });
+}
+
 }  // namespace
 
 CellKernel::CellKernel(const Mesh& mesh, const TissueOperator& tissue)
@@ -52,25 +53,18 @@ CellKernel::CellKernel(const Mesh& mesh, const TissueOperator& tissue)
     std::vector<int> all(nodes_.n_owned());
     std::iota(all.begin(), all.end(), tissue.first_dof() / 2);
     all.insert(all.end(), nodes_.ghosts().begin(), nodes_.ghosts().end());
-    first_region_.assign(n_nodes, -1);
-    for (std::size_t i = 0; i < n_nodes; ++i) {
-      for (const int c : mesh.cells_around(all[i])) {
-        int& first = first_region_[i];
-        if (first < 0) first = mesh.region(c);
-        if (mesh.region(c) == first || patch_of(static_cast<int>(i), mesh.region(c)) >= 0) continue;
-        further_node_.push_back(static_cast<int>(i));
-        further_region_.push_back(mesh.region(c));
+    for (const int node : all) {
+      const auto patches = patches_of(mesh, tissue, node);
+      first_region_.push_back(patches.front().region);
+      for (std::size_t i = 1; i < patches.size(); ++i) {
+        further_node_.push_back(nodes_.of(node));
+        further_region_.push_back(patches[i].region);
       }
     }
     patch_stiffness_.resize(n_nodes + further_node_.size());
     for (const int node : all) weigh(mesh, tissue, node);
   }
-  const auto lowest = [&](int c) {
-    int least = nodes_.of(mesh.cell(c)[0]);
-    for (const int node : mesh.cell(c)) least = std::min(least, nodes_.of(node));
-    return least;
-  };
-  std::ranges::stable_sort(order, {}, lowest);
+  std::ranges::stable_sort(order, {}, [&](int c) { return lowest(mesh.cell(c)); });
   const std::size_t n_blocks = (n_nodes + block - 1) / block;
   slot_.assign(at(mesh.n_cells()), nowhere);
   reach_.resize(n_blocks);
@@ -133,10 +127,10 @@ void CellKernel::put(std::size_t slot, const Mesh& mesh, const TissueOperator& t
   g.volume[lane] = averaged_ ? std::sqrt(volume / m.mu) / 3 : m.lambda / m.mu;
 }
 
-std::size_t CellKernel::block_of(std::span<const int> nodes) const {
-  int lowest = nodes_.of(nodes[0]);
-  for (const int node : nodes) lowest = std::min(lowest, nodes_.of(node));
-  return at(lowest) / block;
+std::size_t CellKernel::lowest(std::span<const int> nodes) const {
+  int least = nodes_.of(nodes[0]);
+  for (const int node : nodes) least = std::min(least, nodes_.of(node));
+  return at(least);
 }
 
 bool CellKernel::knows(std::span<const int> nodes) const {
@@ -162,19 +156,10 @@ int CellKernel::patch_of(int local, int region) const {
   return -1;
 }
 
-// W_n of all patches of a node.
 void CellKernel::weigh(const Mesh& mesh, const TissueOperator& tissue, int node) {
-  const int local = nodes_.of(node);
-  const auto cells = mesh.cells_around(node);
-  for (const int c : cells) {
-    const int region = mesh.region(c);
-    double compliance = 0;
-    for (const int other : cells) {
-      if (mesh.region(other) != region) continue;
-      compliance += mesh.cell_measure(other) / (3 * tissue.moduli(other).lambda);
-    }
-    patch_stiffness_[at(patch_of(local, region))] =
-        1 / (tissue.parameters().thickness * compliance);
+  for (const VolumePatch& patch : patches_of(mesh, tissue, node)) {
+    patch_stiffness_[at(patch_of(nodes_.of(node), patch.region))] =
+        1 / (tissue.parameters().thickness * patch.compliance);
   }
 }
 

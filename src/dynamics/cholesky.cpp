@@ -1,23 +1,18 @@
 #include "stylet/dynamics/cholesky.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/index.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <unistd.h>
 
 namespace stylet {
 
 namespace {
-
-template <class Number>
-std::size_t at(Number i) {
-  return static_cast<std::size_t>(i);
-}
 
 /// A SeqAIJ matrix's arrays, lent.
 class Arrays {
@@ -45,7 +40,8 @@ class Arrays {
 
 }  // namespace
 
-Cholesky::Cholesky(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_(at(n_dofs)) {
+Cholesky::Cholesky(MPI_Comm comm, PetscInt n_dofs)
+    : comm_(comm), rank_(rank_of(comm)), n_(at(n_dofs)) {
   cholmod_l_start(&common_);
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.print = 0;
@@ -83,7 +79,6 @@ void Cholesky::factor(Mat a) {
   PetscObjectId id = 0;
   check(PetscObjectGetId(reinterpret_cast<PetscObject>(a), &id));
   const bool same = id == a_id_;
-  a_id_ = id;
   if (!same) cholmod_l_free_factor(&l_, &common_);
   const int ranks = size_of(comm_);
   if (ranks == 1) {
@@ -96,6 +91,7 @@ void Cholesky::factor(Mat a) {
     read(whole_.get());
   }
   if (!same) share(a);
+  a_id_ = id;
 }
 
 // Replaces the numbers of the factor, and its pattern if there is none.
@@ -187,8 +183,6 @@ void Cholesky::share(Mat a) {
     subtree[at(above)] += subtree[at(s)];
     children[at(above)].push_back(s);
   }
-  constexpr int everyone = -1;
-  std::vector<int> owner(at(n_fronts), 0);
   std::vector<std::pair<int, int>> best;  // root, rank
   double least = std::numeric_limits<double>::infinity();
   double top = 0;
@@ -213,20 +207,15 @@ void Cholesky::share(Mat a) {
     split.erase(split.begin());
     split.insert(split.end(), children[at(heaviest)].begin(), children[at(heaviest)].end());
   }
-  std::ranges::fill(owner, everyone);
-  for (const auto& [root, rank] : best) owner[at(root)] = rank;
+  owner_.assign(at(n_fronts), everyone);
+  for (const auto& [root, rank] : best) owner_[at(root)] = rank;
   mine_.clear();
   top_.clear();
-  here_.assign(at(n_fronts), 0);
-  is_top_.assign(at(n_fronts), 0);
-  const int rank = rank_of(comm_);
   for (int s = n_fronts - 1; s >= 0; --s) {
     const int above = parent(s);
-    if (above >= 0 && owner[at(above)] != everyone) owner[at(s)] = owner[at(above)];
-    if (owner[at(s)] == rank) mine_.push_back(s);
-    if (owner[at(s)] == everyone) top_.push_back(s);
-    is_top_[at(s)] = owner[at(s)] == everyone ? 1 : 0;
-    here_[at(s)] = owner[at(s)] == rank || owner[at(s)] == everyone ? 1 : 0;
+    if (above >= 0 && owner_[at(above)] != everyone) owner_[at(s)] = owner_[at(above)];
+    if (owner_[at(s)] == rank_) mine_.push_back(s);
+    if (owner_[at(s)] == everyone) top_.push_back(s);
   }
   std::ranges::reverse(mine_);
   std::ranges::reverse(top_);
@@ -235,7 +224,7 @@ void Cholesky::share(Mat a) {
   columns_here_.clear();
   std::vector<PetscInt> dofs;
   for (const auto* fronts : {&mine_, &top_}) {
-    if (fronts == &top_ && rank != 0) continue;
+    if (fronts == &top_ && rank_ != 0) continue;
     for (const int s : *fronts) {
       const Front f = front(s);
       for (Index i = f.first; i < f.first + f.n_columns; ++i) {

@@ -1,4 +1,5 @@
 // Triangular solves with the fronts of a Cholesky factor.
+#include "stylet/base/index.hpp"
 #include "stylet/base/lanes.hpp"
 #include "stylet/dynamics/cholesky.hpp"
 #include "stylet/petsc/check.hpp"
@@ -13,11 +14,6 @@
 namespace stylet {
 
 namespace {
-
-template <class Number>
-std::size_t at(Number i) {
-  return static_cast<std::size_t>(i);
-}
 
 constexpr double one = 1;
 constexpr double minus_one = -1;
@@ -66,7 +62,7 @@ STYLET_LANES void down(const Trapezoid& l, double* __restrict own, double* __res
 STYLET_LANES void up(const Trapezoid& l, double* __restrict own, const double* __restrict below) {
   const std::ptrdiff_t n = l.n_columns;
   const std::ptrdiff_t m = l.n_rows - n;
-  // Of columns a and b with x, from `first` on.
+  // Adds products of columns a and b with x.
   const auto add = [](const double* a, const double* b, const double* x, std::ptrdiff_t size,
                       double& of_a, double& of_b) STYLET_INNER {
     Lanes sum_a{};
@@ -181,7 +177,7 @@ std::vector<double> Cholesky::inverse_entries(std::span<const int> rows,
   const LogScope scope(event);
   constexpr std::size_t batch = 32;
   const auto ranks = at(size_of(comm_));
-  const auto rank = at(rank_of(comm_));
+  const auto rank = at(rank_);
   const std::size_t from = columns.size() * rank / ranks;
   const std::size_t to = columns.size() * (rank + 1) / ranks;
   std::vector<double> entries(rows.size() * columns.size(), 0.0);
@@ -252,17 +248,16 @@ std::vector<double> Cholesky::loaded(std::span<const int> dofs) {
   std::vector<double> values(dofs.size(), 0.0);
   if (!loaded_ || dofs.empty()) return values;
   Path path = path_of(dofs);
-  std::erase_if(path.fronts, [&](int s) { return here_[at(s)] == 0; });
+  std::erase_if(path.fronts, [&](int s) { return !is_here(s); });
   compact(path);
   std::vector<double> w;
   w.reserve(at(path.size));
   for_columns(path.fronts, [&](Index i) { w.push_back(z_[at(i)]); });
   backward(path.fronts, w.data(), path.size, 1);
-  const bool first = rank_of(comm_) == 0;
   for (std::size_t i = 0; i < dofs.size(); ++i) {
     const Index column = column_[at(dofs[i])];
-    const auto s = at(front_of_[at(column)]);
-    if (here_[s] == 0 || (is_top_[s] != 0 && !first)) continue;
+    const int owner = owner_[at(front_of_[at(column)])];
+    if (owner != rank_ && (owner != everyone || rank_ != 0)) continue;
     values[i] = w[at(place(column))];
   }
   uncompact();

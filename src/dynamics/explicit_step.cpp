@@ -1,5 +1,6 @@
 #include "stylet/dynamics/explicit_step.hpp"
 
+#include "stylet/base/index.hpp"
 #include "stylet/base/lanes.hpp"
 
 #include <algorithm>
@@ -9,10 +10,6 @@
 namespace stylet {
 
 namespace {
-
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 struct Vectors {
   Lanes x;

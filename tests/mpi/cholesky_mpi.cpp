@@ -15,6 +15,7 @@
 namespace stylet {
 namespace {
 
+// Round-off, times the condition of K + 1e4/s^2 M: the largest omega^2, 1e7 to 1e9, over 1e4.
 constexpr double tolerance = 1e-11;
 
 const std::string block = R"(

@@ -26,9 +26,9 @@ time: {step: 10 ms, duration: 0.5 s}
 output: {history: false}
 )";
 
-const std::vector<std::string> names = {"StyletEdit",   "StyletGather",   "StyletSnapshot",
-                                        "StyletEnergy", "StyletRecord",   "StyletFactor",
-                                        "StyletSolve",  "StyletAssemble", "StyletPattern"};
+const std::vector<std::string> names = {
+    "StyletEdit",   "StyletGather", "StyletSnapshot", "StyletEnergy",   "StyletRecord",
+    "StyletFactor", "StyletSolve",  "StyletForward",  "StyletAssemble", "StyletPattern"};
 
 using Counts = std::map<std::string, int>;
 
@@ -84,6 +84,7 @@ TEST(Events, FiftyEqualStepsFactorOnce) {
   const auto n = events_of(plain);
   expect_no_extras(n);
   EXPECT_EQ(n.at("StyletFactor"), 1);
+  EXPECT_EQ(n.at("StyletForward"), 50);
   EXPECT_EQ(n.at("StyletSolve"), 50);
 }
 
@@ -99,6 +100,7 @@ TEST(Events, ExplicitSceneNeverSolves) {
   const auto n = events_of(plain, {"time.method=explicit", "time.duration=20 ms"});
   expect_no_extras(n);
   EXPECT_EQ(n.at("StyletFactor"), 0);
+  EXPECT_EQ(n.at("StyletForward"), 0);
   EXPECT_EQ(n.at("StyletSolve"), 0);
 }
 

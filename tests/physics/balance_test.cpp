@@ -30,6 +30,28 @@ TEST(Balance, SupportsCarryTheForceOfAQuasiStaticNeedle) {
   EXPECT_LT(worst, 1e-9 * peak);  // the solver's relative tolerance is 1e-11
 }
 
+// Tissue at rest gets a velocity in the very step at whose end the load begins.
+TEST(Balance, OnsetOfALoadIsWorkInExplicitSteps) {
+  const auto scene = scene_of(R"(
+mesh: {rectangle: {size: [8 cm, 6 cm], columns: 12, rows: 9}}
+tissue:
+  plane: stress
+  regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.3, density: 1000 kg/m^3}}
+supports: {left: fixed}
+loads: {traction: [{curve: right, force: [6 N/m, 1 N/m], start: 10 ms}]}
+time: {method: explicit, step: 0.25 ms, duration: 20 ms}
+)");
+  Simulation simulation(MPI_COMM_WORLD, scene, true);
+  bool moving = false;
+  run_to_end(simulation, [&](const StepRecord&) {
+    const Energies& e = simulation.energies();
+    if (moving || e.kinetic == 0) return;
+    moving = true;
+    EXPECT_NEAR(e.external, e.kinetic, 1e-10 * e.kinetic);  // round-off
+  });
+  EXPECT_TRUE(moving);
+}
+
 std::vector<std::string> scaled(double factor) {
   const auto times = [&](const std::string& key, double value, const std::string& unit) {
     return key + "=" + std::to_string(factor * value) + " " + unit;

@@ -1,6 +1,6 @@
 // The triangles as K u of an explicit step needs them: four at a time, with stored gradients, in the
-// order of their lowest node. A triangle's data are half of the bytes of its share of K's blocks, and a
-// fifth where the dilatation is averaged.
+// order of their lowest node. A triangle's data are two fifths of the bytes of its share of K's blocks,
+// and one where the dilatation is averaged.
 #pragma once
 
 #include "stylet/fem/tissue_operator.hpp"
@@ -92,7 +92,10 @@ class CellKernel {
   void put(std::size_t slot, const Mesh& mesh, const TissueOperator& tissue, int cell);
   [[nodiscard]] bool needs(const Mesh& mesh, int cell) const;
   [[nodiscard]] bool knows(std::span<const int> nodes) const;
-  [[nodiscard]] std::size_t block_of(std::span<const int> nodes) const;
+  [[nodiscard]] std::size_t lowest(std::span<const int> nodes) const;
+  [[nodiscard]] std::size_t block_of(std::span<const int> nodes) const {
+    return lowest(nodes) / block;
+  }
   [[nodiscard]] int patch_of(int local, int region) const;
   void weigh(const Mesh& mesh, const TissueOperator& tissue, int node);
 

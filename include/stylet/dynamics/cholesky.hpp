@@ -4,7 +4,7 @@
 // Columns of L with the same pattern below are one dense front (CHOLMOD's supernode); its rows belong
 // to itself and to its ancestors in the elimination tree. So what a force on one dof changes in the
 // forward solve, and what a displacement of one dof needs of the backward solve, are the fronts from
-// its own to the root: a few percent of L for the dofs along a line through a plane. Source: T. Davis,
+// its own to the root: a small part of L for the dofs along a line through a plane. Source: T. Davis,
 // Direct Methods for Sparse Linear Systems, SIAM 2006, sections 3.2 and 4.
 //
 // Ranks share whole solves by subtrees; the top of the tree, above those, is everyone's.
@@ -63,6 +63,10 @@ class Cholesky {
   void share(Mat a);
   [[nodiscard]] Front front(int s) const;
   [[nodiscard]] int parent(int s) const;
+  [[nodiscard]] bool is_here(int s) const {
+    return owner_[static_cast<std::size_t>(s)] == everyone ||
+           owner_[static_cast<std::size_t>(s)] == rank_;
+  }
   [[nodiscard]] Path path_of(std::span<const int> dofs);
   void compact(Path& path);
   void uncompact();
@@ -83,6 +87,7 @@ class Cholesky {
   }
 
   MPI_Comm comm_;
+  int rank_;
   std::size_t n_;
   cholmod_common common_{};
   cholmod_factor* l_ = nullptr;
@@ -94,10 +99,10 @@ class Cholesky {
   bool compacted_ = false;
   std::vector<int> stamp_;  ///< of a front: the last path that met it
   int n_stamps_ = 0;
-  std::vector<int> mine_;                         ///< fronts of this rank's subtrees, ascending
-  std::vector<int> top_;                          ///< fronts of all ranks, ascending
-  std::vector<char> is_top_;                      ///< of a front
-  std::vector<char> here_;                        ///< of a front: in either
+  std::vector<int> mine_;  ///< fronts of this rank's subtrees, ascending
+  std::vector<int> top_;   ///< fronts of all ranks, ascending
+  static constexpr int everyone = -1;
+  std::vector<int> owner_;                        ///< of a front: the rank that works on it
   std::vector<Index> columns_here_;               ///< of mine_, on the first rank also of top_
   Owned<VecScatter, VecScatterDestroy> scatter_;  ///< from a vector of dofs to those
   OwnedVec local_;
