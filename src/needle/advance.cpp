@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/needle/skin.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -340,22 +341,10 @@ Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle) 
                      " m to " + std::to_string(high) + " m");
   }
   // A corner of the tissue must stay where it is: then the other end slides.
-  const auto is_corner = [&](int node) {
-    std::vector<int> ends;
-    for (const int other : mesh.neighbours(node)) {
-      if (other == node || !mesh.on_boundary(other)) continue;
-      if (mesh.cells_with(node, other).size() == 1) ends.push_back(other);
-    }
-    if (ends.size() != 2) return true;
-    const Vector2 e0 = mesh.point(node) - mesh.point(ends[0]);
-    const Vector2 e1 = mesh.point(ends[1]) - mesh.point(node);
-    constexpr double straight = 0.5;  // sine of 30 degrees
-    return dot(e0, e1) <= 0 || std::abs(cross(e0, e1)) > straight * norm(e0) * norm(e1);
-  };
-  if (entry->fraction > 0 && is_corner(entry->node)) {
+  if (entry->fraction > 0 && is_corner(mesh, entry->node)) {
     std::swap(entry->node, entry->neighbour);
     entry->fraction = 1 - entry->fraction;
-    if (entry->fraction < 1 && is_corner(entry->node)) {
+    if (entry->fraction < 1 && is_corner(mesh, entry->node)) {
       throw InputError("needle '" + needle + "' at height " + std::to_string(y) +
                        " m enters between two corners of the tissue: refine the mesh");
     }

@@ -23,6 +23,12 @@ constexpr int most_passages = 20;
 constexpr double gap_tolerance = 1e-4;
 // Relative slack of force thresholds against round-off of the solver.
 constexpr double force_slack = 1e-9;
+
+// The entry of a node, made if there is none.
+NodeForce& force_on(std::vector<NodeForce>& forces, int node) {
+  const auto found = std::ranges::find(forces, node, &NodeForce::node);
+  return found == forces.end() ? forces.emplace_back(NodeForce{node}) : *found;
+}
 // A hand-over that leaves a worse triangle is refused.
 constexpr double quality_floor = 0.03;
 
@@ -49,16 +55,30 @@ Needle::Needle(NeedleParameters parameters, NeedleTissue tissue, bool velocity_l
       tissue_(std::move(tissue)),
       velocity_level_(velocity_level),
       axis_{parameters_.height},
-      motion_(parameters_.motion) {}
+      motion_(parameters_.motion),
+      punctures_(tissue_.earlier.punctures) {}
 
-NeedleEdits Needle::enter(const Entry& entry, const NeedleView& start) {
+NeedleEdits Needle::enter(const Mesh& mesh, const Entry& entry, const NeedleView& start) {
   const NodeState state =
       interpolate(entry.fraction, start.at(entry.node), start.at(entry.neighbour));
   track_.push({entry.node});
   motion_.enter(axis_.along(displaced(entry.x, state.u)), Axis::along_sign);
+  // The entry node slides by at most the edge to its neighbour.
+  const double slide = distance(mesh.point(entry.node), entry.x);
+  skin_ = Skin(mesh, entry.node, 0.5 * parameters_.cutting.tip_length + slide);
+  free_ahead_ = tissue_.earlier.free_length(entry.x, Axis::direction(), radius());
   NeedleEdits edits;
   if (entry.fraction > 0) edits.moves.push_back({entry.node, entry.x, state});
   return edits;
+}
+
+EarlierCuts Needle::leave(const Mesh& mesh) const {
+  EarlierCuts cuts = tissue_.earlier;
+  cuts.punctures = punctures_;
+  if (track_.size() < 2) return cuts;
+  auto& path = cuts.paths.emplace_back();
+  for (const auto& shaft : track_.nodes()) path.push_back(mesh.point(shaft.node));
+  return cuts;
 }
 
 std::vector<int> Needle::watched(const Mesh& mesh) const {
@@ -68,14 +88,31 @@ std::vector<int> Needle::watched(const Mesh& mesh) const {
   return nodes;
 }
 
-std::vector<int> Needle::shaft_nodes() const {
+std::vector<int> Needle::loaded_nodes(const Mesh& mesh) const {
   std::vector<int> nodes;
   for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
-  std::ranges::sort(nodes);
+  for (const auto& force : last_forces_) nodes.push_back(force.node);
+  if (presses_on_skin(mesh)) {
+    nodes.insert(nodes.end(), skin_.nodes().begin(), skin_.nodes().end());
+  }
+  sort_unique(nodes);
   return nodes;
 }
 
+double Needle::path_length(const Mesh& mesh) const {
+  return track_.distances(mesh).front();
+}
+
+bool Needle::presses_on_skin(const Mesh& mesh) const {
+  return path_length(mesh) < parameters_.cutting.tip_length;
+}
+
+// Zero where the way is cut already. A tip that is not in with all of its length cuts with that part
+// of its force: at the skin the needle begins to cut at once, and how deep it is has a limit on finer
+// meshes, at every depth. (A full force on the first bit of path is a point force: the dent that it
+// makes grows with the logarithm of the element size, and the tip jumps when the skin gives way.)
 double Needle::threshold(const Mesh& mesh) const {
+  if (free_ahead_ > 0) return 0;
   const auto& cutting = parameters_.cutting;
   double share = 1;
   if (cutting.stiffness_share > 0) {
@@ -93,20 +130,33 @@ double Needle::threshold(const Mesh& mesh) const {
     const double e = tissue_.region_modulus[static_cast<std::size_t>(mesh.region(ahead))];
     share += cutting.stiffness_share * (e / cutting.reference_youngs_modulus - 1);
   }
+  if (presses_on_skin(mesh)) share *= path_length(mesh) / cutting.tip_length;
   return cutting.cutting_force / cutting.sharpness * share;
 }
 
-std::vector<double> Needle::tip_weights(const Mesh& mesh) const {
-  const double path = track_.distances(mesh).front();
-  const double zone = std::min(parameters_.cutting.tip_length, path);
-  if (zone <= 0) {
-    std::vector<double> weights(track_.size(), 0.0);
-    weights.back() = 1;
-    return weights;
+// The tip's load is uniform over its length: what is in the tissue loads the path, what is not in yet
+// the skin around the entry.
+std::vector<NodeShare> Needle::tip_shares(const Mesh& mesh) const {
+  const double tip_length = parameters_.cutting.tip_length;
+  if (tip_length == 0) return {{track_.tip(), 1}};
+  const double zone = std::min(tip_length, path_length(mesh));
+  std::vector<NodeShare> shares;
+  if (zone < tip_length) shares = skin_.lengths(mesh, tip_length - zone);
+  const auto lengths = track_.lengths(mesh, 0, zone);
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (lengths[i] == 0) continue;
+    const int node = track_.nodes()[i].node;
+    const auto same = std::ranges::find(shares, node, &NodeShare::node);
+    if (same == shares.end()) {
+      shares.push_back({node, lengths[i]});
+    } else {
+      same->value += lengths[i];
+    }
   }
-  auto weights = track_.lengths(mesh, 0, zone);
-  for (double& weight : weights) weight /= zone;
-  return weights;
+  double total = 0;
+  for (const auto& share : shares) total += share.value;
+  for (auto& share : shares) share.value /= total;
+  return shares;
 }
 
 std::vector<double> Needle::friction_lengths(const Mesh& mesh) const {
@@ -129,29 +179,28 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   new_base();
   passages_ = 0;
   // A tip that keeps cutting will advance about as far as last time.
-  const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 &&
-                             parameters_.cutting.law == CuttingLaw::consistent;
+  const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 && searches();
   remaining_ = keeps_cutting && track_.size() > 1 ? advanced_ : 0;
-  guessing_ = remaining_ > 0;
   advanced_ = 0;
   contact_changes_ = 0;
-  same_side_ = 0;
   forget_changes();
   if (tip_ == TipContact::open) return;
   if (parameters_.cutting.law == CuttingLaw::lagged) remaining_ = pending_;
   if (parameters_.cutting.law == CuttingLaw::increment && step.speed() > 0) {
-    const double limit = membrane_edge_ ? tissue_.puncture_force : threshold(mesh);
+    const double limit = membrane_ ? tissue_.puncture_force : threshold(mesh);
     if (last_tip_force_ >= limit) {
-      if (membrane_edge_) {
-        punctured_.insert(*membrane_edge_);
-        membrane_edge_.reset();
-        ++counts_.punctures;
-      }
+      if (membrane_) puncture();
       remaining_ = parameters_.cutting.increment;
     }
   }
   pending_ = 0;
-  if (membrane_edge_) remaining_ = 0;
+  if (membrane_) remaining_ = 0;
+}
+
+void Needle::puncture() {
+  punctures_.push_back(*membrane_);
+  membrane_.reset();
+  ++counts_.punctures;
 }
 
 void Needle::forget_changes() {
@@ -165,25 +214,45 @@ void Needle::new_base() {
   base_.reset();
   b_ = 0;
   postponed_ = false;
-  last_gap_.reset();
-  too_short_.reset();
-  too_far_.reset();
+  end_.reset();
+  forget_search();
 }
 
-// The largest b from base_: hand-over, or the membrane (then pending_membrane_edge_ is set).
-double Needle::cap() {
-  pending_membrane_edge_.reset();
-  const double end = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
-  double limit = std::max(end, b_);
-  if (!tissue_.membrane.empty()) {
-    const auto crossing =
-        first_crossing(tissue_.membrane, base_->p, base_->r, base_->distance, punctured_);
-    if (crossing && crossing->distance <= limit) {
-      limit = crossing->distance;
-      pending_membrane_edge_ = crossing->edge;
-    }
+void Needle::forget_search() {
+  search_.forget();
+  holds_beyond_.reset();
+}
+
+// The largest b from base_, and what is there.
+Needle::End Needle::find_end() const {
+  const double reach = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
+  End end{std::max(reach, b_), EndKind::hand_over};
+  if (base_free_ > b_ && base_free_ < end.b) end = {base_free_, EndKind::virgin};
+  const auto membrane = crossing(base_->distance);
+  if (membrane && *membrane <= end.b) end = {std::max(*membrane, b_), EndKind::membrane};
+  return end;
+}
+
+std::optional<double> Needle::crossing(double length) const {
+  return first_crossing(tissue_.membrane, base_->p, base_->r, length, punctures_, radius());
+}
+
+// The tip has come to the end of its base and wants to go on.
+void Needle::pass_end() {
+  switch (end_->kind) {
+    case EndKind::membrane:
+      membrane_ = base_->p + end_->b * base_->r;
+      tip_ = TipContact::stick;
+      break;
+    case EndKind::virgin:
+      free_ahead_ = 0;
+      tip_ = TipContact::stick;
+      new_base();
+      break;
+    case EndKind::hand_over:
+      hand_over_wanted_ = true;
+      break;
   }
-  return limit;
 }
 
 NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
@@ -199,14 +268,13 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     base_ = find_way(mesh, track_, axis_, start);
     if (!base_) throw stuck("its tip has reached the boundary of the tissue");
     if (base_->fell_back) ++counts_.fallbacks;
+    base_free_ = tissue_.earlier.free_length(base_->p, base_->r, radius());
   }
   // The first cut goes half-way to the edge ahead at once; a membrane in its way is met at the skin.
   const double first_cut = 0.5 * base_->distance;
-  if (track_.size() == 1 && !tissue_.membrane.empty()) {
-    const auto crossing =
-        first_crossing(tissue_.membrane, base_->p, base_->r, first_cut, punctured_);
-    if (crossing) {
-      membrane_edge_ = crossing->edge;
+  if (track_.size() == 1) {
+    if (const auto met = crossing(first_cut)) {
+      membrane_ = base_->p + *met * base_->r;
       tip_ = TipContact::stick;
       hand_over_wanted_ = false;
       remaining_ = 0;
@@ -223,6 +291,7 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
         base_->reach > b_ + further * base_->distance) {
       postponed_ = true;
       hand_over_wanted_ = false;
+      end_ = find_end();
       return edits;
     }
     if (quality < quality_floor) {
@@ -241,6 +310,7 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     if (track_.size() == 1) {
       remaining_ = std::max(0.0, remaining_ - first_cut);
       advanced_ += first_cut;
+      free_ahead_ = std::max(0.0, free_ahead_ - first_cut);
     }
     hand_over_wanted_ = false;
     const Contact inherited = track_.nodes().back().contact;
@@ -249,24 +319,22 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     new_base();
     return hand_over->edits;
   }
-  const double limit = cap();
+  end_ = find_end();
   double to = std::max(0.0, b_ + remaining_);
   remaining_ = 0;
-  if (guessing_) to = std::min(to, limit);
-  if (to >= limit && !guessing_) {
-    if (pending_membrane_edge_) {
-      membrane_edge_ = pending_membrane_edge_;
-      tip_ = TipContact::stick;
-    } else {
-      hand_over_wanted_ = true;
-      remaining_ = to - limit;
+  if (to >= end_->b) {
+    // A search goes on from there when it has seen the gap; the other laws know how far they go.
+    const double left = to - end_->b;
+    to = end_->b;
+    if (!searches()) {
+      if (end_->kind == EndKind::hand_over) remaining_ = left;
+      pass_end();
     }
-    to = limit;
   }
-  guessing_ = false;
   if (to != b_) {
     advanced_ += to - b_;
     b_ = to;
+    free_ahead_ = std::max(0.0, base_free_ - b_);
     edits.moves.push_back(advanced(*base_, tip, b_));
   }
   return edits;
@@ -291,14 +359,14 @@ ConstraintSet Needle::constraints(const Mesh& mesh) const {
     }
   }
   if (tip_ == TipContact::open) return set;
-  const auto weights = tip_weights(mesh);
   const double f = threshold(mesh);
   MeanCondition mean;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (weights[i] == 0) continue;
-    const int dof = Axis::along_dof(nodes[i].node);
-    mean.weights.push_back({dof, Axis::along_sign * weights[i]});
-    if (tip_ == TipContact::cut) set.forces.push_back({dof, Axis::along_sign * f * weights[i]});
+  for (const auto& [node, share] : tip_shares(mesh)) {
+    const int dof = Axis::along_dof(node);
+    mean.weights.push_back({dof, Axis::along_sign * share});
+    if (tip_ == TipContact::cut && f > 0) {
+      set.forces.push_back({dof, Axis::along_sign * f * share});
+    }
   }
   if (tip_ == TipContact::stick) {
     mean.value = step_.to - Axis::along(mesh.point(track_.tip()));
@@ -309,13 +377,11 @@ ConstraintSet Needle::constraints(const Mesh& mesh) const {
 }
 
 double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
-  const auto weights = tip_weights(mesh);
   double mean_u = 0;
   double mean_v = 0;
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    const auto& node = trial.at(track_.nodes()[i].node);
-    mean_u += weights[i] * Axis::along(node.u);
-    mean_v += weights[i] * Axis::along(node.v);
+  for (const auto& [node, share] : tip_shares(mesh)) {
+    mean_u += share * Axis::along(trial.at(node).u);
+    mean_v += share * Axis::along(trial.at(node).v);
   }
   const double gap = step_.to - Axis::along(mesh.point(track_.tip())) - mean_u;
   return velocity_level_ ? gap + step_.h * (step_.speed() - mean_v) : gap;
@@ -323,10 +389,7 @@ double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
 
 bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
   if (parameters_.friction && !review_friction(mesh, trial)) {
-    // Another contact, another gap.
-    last_gap_.reset();
-    too_short_.reset();
-    too_far_.reset();
+    forget_search();  // another contact, another gap
     return false;
   }
   return review_tip(mesh, trial, lambda);
@@ -383,21 +446,18 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
 }
 
 bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda) {
-  const double tolerance = gap_tolerance * std::max(std::abs(step_.to - step_.from), 1e-9);
   switch (tip_) {
     case TipContact::stick: {
-      const double f = threshold(mesh);
-      const double limit = membrane_edge_ ? tissue_.puncture_force : f;
-      if (lambda < -force_slack * f) {
+      if (lambda < -slack()) {
         tip_ = TipContact::open;
         return false;
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
-      if (lambda <= limit * (1 + force_slack)) return true;
-      if (membrane_edge_) {
-        punctured_.insert(*membrane_edge_);
-        membrane_edge_.reset();
-        ++counts_.punctures;
+      const double limit = membrane_ ? tissue_.puncture_force : threshold(mesh);
+      if (lambda <= limit * (1 + force_slack) + slack()) return true;
+      if (holds_beyond_) throw_no_solution();
+      if (membrane_) {
+        puncture();
         new_base();
       }
       tip_ = TipContact::cut;
@@ -405,18 +465,15 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
     }
     case TipContact::cut: {
       const double g = gap(mesh, trial);
-      if (parameters_.cutting.law == CuttingLaw::consistent) {
-        if (std::abs(g) <= tolerance) return true;
-        return cut_further(g);
-      }
-      if (g >= -tolerance) return true;
+      if (searches()) return cut_further(g);
+      if (g >= -tolerance()) return true;
       tip_ = TipContact::stick;
       return false;
     }
     case TipContact::open:
       break;
   }
-  if (gap(mesh, trial) <= tolerance) return true;
+  if (gap(mesh, trial) <= tolerance()) return true;
   tip_ = TipContact::stick;
   exposed_ = 0;
   for (auto& shaft : track_.nodes()) {
@@ -427,76 +484,87 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda)
   return false;
 }
 
-// Secant on the advance: the gap falls by about as much as the tip advances, but by several times as
-// much where a point tip has squeezed the element ahead. So the secant stays between the last
-// advance that was too short and the last that was too far; where it does not, their middle is taken.
-bool Needle::cut_further(double g) {
-  double slope = -1;
-  const bool stands = last_gap_ && last_gap_->b == b_;
-  if (last_gap_ && last_gap_->b != b_) {
-    const double secant = (g - last_gap_->gap) / (b_ - last_gap_->b);
-    constexpr double shallowest = -0.3;
-    if (secant < shallowest) slope = secant;
-  }
-  last_gap_ = {b_, g};
-  (g > 0 ? too_short_ : too_far_) = last_gap_;
-  double to = b_ - g / slope;
-  // A tip in tissue that is squeezed flat gains little by its advance: longer and longer ones, until
-  // one is too far or the next hand-over is reached.
-  same_side_ = g > 0 && !too_far_ ? same_side_ + 1 : 0;
-  constexpr int slow = 4;
-  constexpr int most_doublings = 20;
-  if (same_side_ > slow) {
-    to = b_ - g / slope * std::exp2(std::min(same_side_ - slow, most_doublings));
-    guessing_ = !stands;
-  }
-  if (too_short_ && too_far_) {
-    const double low = std::min(too_short_->b, too_far_->b);
-    const double high = std::max(too_short_->b, too_far_->b);
-    constexpr double inner = 0.01;  // of the bracket: closer to its ends is no progress
-    const double margin = inner * (high - low);
-    if (!(to > low + margin && to < high - margin)) to = 0.5 * (low + high);
-    constexpr double narrow = 1e-14;  // m
-    if (high - low < narrow) {
-      throw NumericalError("the advance of needle '" + parameters_.name +
-                           "' has no solution: " + exact(b_) + " m leave a gap that jumps from " +
-                           exact(too_short_->gap) + " m to " + exact(too_far_->gap) +
-                           " m (allowed: " + exact(gap_tolerance) +
-                           " of the step); take another time.step or mesh");
+bool Needle::cut_further(double gap) {
+  if (track_.size() == 1) {
+    // The first cut goes ahead at once.
+    if (gap <= tolerance()) {
+      tip_ = TipContact::stick;
+    } else {
+      hand_over_wanted_ = true;
     }
-  }
-  if (to <= 0) {
-    // Less than nothing to cut: the tip sticks.
-    remaining_ = -b_;
-    tip_ = TipContact::stick;
     return false;
+  }
+  const auto end = end_ ? std::optional(end_->b) : std::nullopt;
+  const auto [verdict, to] = search_.next(b_, gap, end, tolerance());
+  switch (verdict) {
+    case AdvanceSearch::Verdict::found:
+      return true;
+    case AdvanceSearch::Verdict::pass:
+      pass_end();
+      return false;
+    case AdvanceSearch::Verdict::stick:
+      tip_ = TipContact::stick;
+      holds_beyond_ = to;
+      break;
+    case AdvanceSearch::Verdict::move:
+      break;
   }
   remaining_ = to - b_;
   return false;
 }
 
+void Needle::throw_no_solution() const {
+  const auto& low = search_.too_short();
+  const auto& high = search_.too_far();
+  throw NumericalError(
+      "the advance of needle '" + parameters_.name + "' has no solution: " + exact(*holds_beyond_) +
+      " m leave a gap that jumps" + (low ? " from " + exact(low->g) + " m" : "") +
+      (high ? " to " + exact(high->g) + " m" : "") + " (allowed: " + exact(gap_tolerance) +
+      " of the step); take another time.step or mesh");
+}
+
 void Needle::book_work(const NeedleView& start,
                        const TrialView& trial,
-                       const std::vector<double>& along_forces,
+                       std::vector<NodeForce> forces,
                        double end_weight,
                        NeedleStepReport& report) {
-  for (std::size_t i = 0; i < along_forces.size(); ++i) {
-    auto& shaft = track_.nodes()[i];
-    const auto& node = trial.at(shaft.node);
-    const double across_force = shaft.attached ? Axis::across(node.working) : 0;
-    const auto mean = [&](double last, double now) {
-      return (1 - end_weight) * last + end_weight * now;
+  for (const auto& shaft : track_.nodes()) {
+    if (shaft.attached)
+      force_on(forces, shaft.node).across = Axis::across(trial.at(shaft.node).working);
+  }
+  // Forces that have ended worked on the way to the end of the step.
+  for (const auto& last : last_forces_) force_on(forces, last.node);
+  const double hand = step_.to - step_.from;
+  for (const auto& now : forces) {
+    const auto found = std::ranges::find(last_forces_, now.node, &NodeForce::node);
+    const NodeForce last = found == last_forces_.end() ? NodeForce{now.node} : *found;
+    const auto mean = [&](double then, double end) {
+      return (1 - end_weight) * then + end_weight * end;
     };
-    const double along = mean(shaft.along_force, along_forces[i]);
-    const double across = mean(shaft.across_force, across_force);
-    shaft.along_force = along_forces[i];
-    shaft.across_force = across_force;
+    const double along = mean(last.along, now.along);
     // The needle guides a node that joins it on to its axis: work too.
-    const Vector2 moved = node.u - start.at(shaft.node).u;
-    const double hand = step_.to - step_.from;
-    report.work += along * hand + across * Axis::across(moved);
+    const Vector2 moved = trial.at(now.node).u - start.at(now.node).u;
+    report.work += along * hand + mean(last.across, now.across) * Axis::across(moved);
     report.dissipated += along * (hand - Axis::along(moved));
   }
+  std::erase_if(forces, [](const NodeForce& f) { return f.along == 0 && f.across == 0; });
+  last_forces_ = std::move(forces);
+}
+
+// What holds after every accepted step: an inserting tip stands at its threshold, or it has less and
+// holds, or it waits where its path has been cut already.
+void Needle::check_tip(const Mesh& mesh, const TrialView& trial, double lambda) const {
+  if (step_.speed() <= 0 || parameters_.cutting.law == CuttingLaw::increment) return;
+  constexpr double solver = 10;  // the solution was refined since the review
+  const double limit = membrane_ ? tissue_.puncture_force : threshold(mesh);
+  const double g = gap(mesh, trial);
+  const bool stands = tip_ != TipContact::cut || !searches() || std::abs(g) <= solver * tolerance();
+  const bool ahead = tip_ != TipContact::open || g <= solver * tolerance();
+  const bool below = lambda <= limit * (1 + solver * force_slack) + solver * slack();
+  if (stands && ahead && below) return;
+  throw NumericalError("the tip of needle '" + parameters_.name + "' bears " + exact(lambda) +
+                       " N with a threshold of " + exact(limit) + " N, and the needle is " +
+                       exact(g) + " m ahead of it: the step has no right end");
 }
 
 NeedleStepReport Needle::commit(const Mesh& mesh,
@@ -510,8 +578,11 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
   if (tip_ == TipContact::open) lambda = 0;
   report.forces.tip = lambda.end;
   last_tip_force_ = report.forces.tip;
-  std::vector<double> along_forces = tip_weights(mesh);
-  for (double& force : along_forces) force *= lambda.working;
+  check_tip(mesh, trial, lambda.end);
+  std::vector<NodeForce> forces;
+  for (const auto& [node, share] : tip_shares(mesh)) {
+    forces.push_back({node, share * lambda.working});
+  }
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     const bool level = velocity_level_;
     velocity_level_ = false;  // the positions as they are
@@ -531,14 +602,14 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
                                ? Axis::along(node.reaction)
                                : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
       report.forces.friction += force;
-      along_forces[i] += sticks ? Axis::along(node.working) : force;
+      force_on(forces, shaft.node).along += sticks ? Axis::along(node.working) : force;
       ++(sticks ? report.n_stick : report.n_slip);
       if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
         shaft.contact = Contact::stick;
       }
     }
   }
-  book_work(start, trial, along_forces, end_weight, report);
+  book_work(start, trial, std::move(forces), end_weight, report);
 
   // A tip that let go leaves the nodes that it has passed (paper, sec. V.E), and takes them again on
   // its way back in.
@@ -583,6 +654,14 @@ ReferencePoint Needle::tip_point(const Mesh& mesh) const {
     return a + ((s[i] - exposed_) / (s[i] - s[i + 1])) * (b - a);
   }
   return mesh.point(track_.tip());
+}
+
+double Needle::tolerance() const {
+  return gap_tolerance * std::max(std::abs(step_.to - step_.from), 1e-9);
+}
+
+double Needle::slack() const {
+  return force_slack * parameters_.cutting.cutting_force / parameters_.cutting.sharpness;
 }
 
 bool Needle::released() const {

@@ -27,8 +27,9 @@ Codec<CuttingParameters> cutting() {
        field("reference_youngs_modulus", &C::reference_youngs_modulus, number("Pa", not_negative),
              "Young's modulus at which that share is as given."),
        field("tip_length", &C::tip_length, number("m", not_negative),
-             "Length over which the tip force is spread; 0: a point, and the answer depends on "
-             "the mesh."),
+             "Length over which the tip force is spread: along the path, and along the skin as far "
+             "as "
+             "the tip is not in yet; 0: a point, and the answer depends on the mesh."),
        field("increment", &C::increment, number("m", not_negative),
              "Length of one cut of the increment law.")});
 }
@@ -123,6 +124,8 @@ Codec<NeedleParameters> needle_codec() {
        field("height", &N::height, number("m", anything),
              "Coordinate of the axis across the needle.")
            .required(),
+       field("diameter", &N::diameter, number("m", positive),
+             "What lies within half of it of an earlier needle's path is cut already."),
        field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
        field("friction", &N::friction, friction(),
              "Friction along the shaft; without it there is none."),

@@ -195,13 +195,18 @@ void Simulation::act_without_time() {
 }
 
 void Simulation::enter_next_needle() {
-  if (needle_) earlier_needles_ = counts_.needle;
+  EarlierCuts earlier;
+  if (needle_) {
+    earlier_needles_ = counts_.needle;
+    earlier = needle_->leave(mesh());
+  }
   const auto& parameters = scene_.needles[n_entered_++];
   NeedleTissue tissue;
   if (scene_.membrane) {
     tissue.membrane = scene_.membrane->polygon;
     tissue.puncture_force = scene_.membrane->puncture_force;
   }
+  tissue.earlier = std::move(earlier);
   tissue.region_modulus.resize(mesh().data().region_names.size());
   for (const auto& region : scene_.tissue.regions) {
     tissue.region_modulus[static_cast<std::size_t>(mesh().region_index(region.region))] =
@@ -211,7 +216,7 @@ void Simulation::enter_next_needle() {
   const Entry entry = find_entry(mesh(), needle_->axis(), parameters.name);
   std::vector<int> nodes{entry.node, entry.neighbour};
   std::ranges::sort(nodes);
-  apply(needle_->enter(entry, start_view(nodes)), true);
+  apply(needle_->enter(mesh(), entry, start_view(nodes)), true);
 }
 
 void Simulation::implant() {
@@ -284,7 +289,7 @@ double Simulation::sub_step(double longest, StepRecord& record) {
       begin();
     }
     if (active != nullptr) {
-      shaft = active->shaft_nodes();
+      shaft = active->loaded_nodes(mesh());
       integrator_->watch(shaft);
     }
     trial = integrator_->attempt(needle_constraints(active), edited);

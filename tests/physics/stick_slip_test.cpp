@@ -52,7 +52,7 @@ class Block {
     const Entry entry = find_entry(body_.mesh, needle_.axis(), "needle");
     std::vector<int> ends{entry.node, entry.neighbour};
     std::ranges::sort(ends);
-    apply(needle_.enter(entry, rest(ends)));
+    apply(needle_.enter(body_.mesh, entry, rest(ends)));
     while (needle_.motion().tip() - needle_.motion().skin() < 0.045) glide(5e-3);
     dof_ = Axis::along_dof(needle_.track().nodes()[block].node);
     const std::vector<int> free{dof_};
@@ -98,7 +98,7 @@ class Block {
       const Trial trial = integrator_->attempt(constraints(), false);
       const TrialView view = view_of(trial);
       if (!needle_.review(body_.mesh, view, 0)) continue;
-      needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), view, 0);
+      needle_.commit(body_.mesh, rest(needle_.loaded_nodes(body_.mesh)), view, 0);
       break;
     }
     integrator_->finish(true);
@@ -115,7 +115,7 @@ class Block {
     const NeedleStep motion = needle_.motion().next(h);
     needle_.start_step(body_.mesh, motion);
     const auto zero = [&] {
-      const auto nodes = needle_.shaft_nodes();
+      const auto nodes = needle_.loaded_nodes(body_.mesh);
       return TrialView(nodes, std::vector<NodeTrial>(nodes.size()));
     };
     const auto force = [&] {
@@ -127,7 +127,7 @@ class Block {
       while (needle_.wants_edit())
         apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
     } while (!needle_.review(body_.mesh, zero(), force()));
-    needle_.commit(body_.mesh, rest(needle_.shaft_nodes()), zero(), force());
+    needle_.commit(body_.mesh, rest(needle_.loaded_nodes(body_.mesh)), zero(), force());
   }
 
   void apply(const NeedleEdits& edits) {
@@ -162,7 +162,7 @@ class Block {
   }
 
   [[nodiscard]] TrialView view_of(const Trial& trial) const {
-    const auto nodes = needle_.shaft_nodes();
+    const auto nodes = needle_.loaded_nodes(body_.mesh);
     std::vector<NodeTrial> values(nodes.size());
     const Vec vectors[3] = {trial.u, trial.v, trial.reaction};
     const int dofs[1] = {dof_};

@@ -4,24 +4,18 @@
 #include "stylet/geometry/points.hpp"
 
 #include <optional>
-#include <set>
 #include <span>
 #include <vector>
 
 namespace stylet {
 
-struct MembraneCrossing {
-  double distance;  ///< along the ray (m)
-  int edge;         ///< from vertex `edge` to the next
-};
-
-/// The nearest edge that the segment from p along the unit vector r, of the given length, crosses,
-/// without the edges already punctured by this needle.
-[[nodiscard]] std::optional<MembraneCrossing> first_crossing(
-    std::span<const ReferencePoint> polygon,
-    ReferencePoint p,
-    Vector2 r,
-    double length,
-    const std::set<int>& punctured);
+/// Distance (m) to the nearest point where the segment from p along the unit vector r, of the given
+/// length, crosses the polygon, but for those within `radius` of a puncture.
+[[nodiscard]] std::optional<double> first_crossing(std::span<const ReferencePoint> polygon,
+                                                   ReferencePoint p,
+                                                   Vector2 r,
+                                                   double length,
+                                                   std::span<const ReferencePoint> punctures,
+                                                   double radius);
 
 }  // namespace stylet

@@ -8,14 +8,16 @@
 #include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/advance.hpp"
+#include "stylet/needle/advance_search.hpp"
 #include "stylet/needle/axis.hpp"
+#include "stylet/needle/earlier_cuts.hpp"
 #include "stylet/needle/motion.hpp"
 #include "stylet/needle/parameters.hpp"
+#include "stylet/needle/skin.hpp"
 #include "stylet/needle/track.hpp"
 #include "stylet/needle/view.hpp"
 
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -56,6 +58,14 @@ struct NeedleTissue {
   std::vector<ReferencePoint> membrane;  ///< polygon; empty if there is none
   double puncture_force = 0;             ///< N
   std::vector<double> region_modulus;    ///< Young's modulus by region (Pa), for stiffness_share
+  EarlierCuts earlier;                   ///< of the needles before
+};
+
+/// Of the needle on a node (N).
+struct NodeForce {
+  int node;
+  double along = 0;
+  double across = 0;
 };
 
 /// Of the tip's condition (N), as in Trial.
@@ -74,12 +84,14 @@ class Needle {
 
   /// The skin node slides to the axis; start: the two nodes of the entry. Returns the edit. The tip
   /// stands at the skin afterwards.
-  NeedleEdits enter(const Entry& entry, const NeedleView& start);
+  NeedleEdits enter(const Mesh& mesh, const Entry& entry, const NeedleView& start);
+  /// What later needles find: the earlier cuts and this needle's.
+  [[nodiscard]] EarlierCuts leave(const Mesh& mesh) const;
 
   /// Nodes whose start-of-step state the next calls need; ascending.
   [[nodiscard]] std::vector<int> watched(const Mesh& mesh) const;
   /// Nodes whose trial the review needs; ascending.
-  [[nodiscard]] std::vector<int> shaft_nodes() const;
+  [[nodiscard]] std::vector<int> loaded_nodes(const Mesh& mesh) const;
 
   void start_step(const Mesh& mesh, const NeedleStep& step);
   /// The same step from the same start, which ends sooner: its edits and contacts stay.
@@ -90,7 +102,7 @@ class Needle {
   [[nodiscard]] ConstraintSet constraints(const Mesh& mesh) const;
   /// True: the step is accepted. Throws NumericalError where the advance has no solution.
   bool review(const Mesh& mesh, const TrialView& trial, double lambda);
-  /// start: the shaft nodes after the last edits; end_weight: of the forces at the end of the step in
+  /// start: the loaded nodes after the last edits; end_weight: of the forces at the end of the step in
   /// its work, those at its start have the rest.
   NeedleStepReport commit(const Mesh& mesh,
                           const NeedleView& start,
@@ -105,7 +117,7 @@ class Needle {
   [[nodiscard]] const Track& track() const { return track_; }
   [[nodiscard]] NeedlePhase phase() const { return phase_; }
   [[nodiscard]] TipContact tip_contact() const { return tip_; }
-  [[nodiscard]] bool at_membrane() const { return membrane_edge_.has_value(); }
+  [[nodiscard]] bool at_membrane() const { return membrane_.has_value(); }
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
   /// Where the tip stands in the reference mesh: the end of the path, or the point of the path that
   /// a withdrawing tip has come back to.
@@ -114,19 +126,36 @@ class Needle {
   [[nodiscard]] bool released() const;
 
  private:
+  enum class EndKind { hand_over, membrane, virgin };
+  struct End {
+    double b;
+    EndKind kind;
+  };
+  [[nodiscard]] double radius() const { return 0.5 * parameters_.diameter; }
+  [[nodiscard]] bool searches() const { return parameters_.cutting.law == CuttingLaw::consistent; }
+  [[nodiscard]] double path_length(const Mesh& mesh) const;
+  [[nodiscard]] bool presses_on_skin(const Mesh& mesh) const;
   [[nodiscard]] double threshold(const Mesh& mesh) const;
+  [[nodiscard]] double tolerance() const;
+  [[nodiscard]] double slack() const;
+  void puncture();
   void new_base();
+  void forget_search();
   void forget_changes();
-  [[nodiscard]] double cap();
+  [[nodiscard]] End find_end() const;
+  [[nodiscard]] std::optional<double> crossing(double length) const;
+  void pass_end();
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
-  [[nodiscard]] std::vector<double> tip_weights(const Mesh& mesh) const;
+  [[nodiscard]] std::vector<NodeShare> tip_shares(const Mesh& mesh) const;
   [[nodiscard]] std::vector<double> friction_lengths(const Mesh& mesh) const;
   bool review_friction(const Mesh& mesh, const TrialView& trial);
   bool review_tip(const Mesh& mesh, const TrialView& trial, double lambda);
   bool cut_further(double gap);
+  [[noreturn]] void throw_no_solution() const;
+  void check_tip(const Mesh& mesh, const TrialView& trial, double lambda) const;
   void book_work(const NeedleView& start,
                  const TrialView& trial,
-                 const std::vector<double>& along_forces,
+                 std::vector<NodeForce> forces,
                  double end_weight,
                  NeedleStepReport& report);
 
@@ -139,7 +168,9 @@ class Needle {
   NeedlePhase phase_ = NeedlePhase::outside;
   TipContact tip_ = TipContact::stick;
   Track track_;
-  double exposed_ = 0;  ///< length of the path ahead of a withdrawn tip (m)
+  Skin skin_;              ///< around the entry, as far as the tip can press on it
+  double free_ahead_ = 0;  ///< of the way that an earlier needle has cut (m)
+  double exposed_ = 0;     ///< length of the path ahead of a withdrawn tip (m)
 
   // The advance within the present step.
   std::optional<AdvanceBase> base_;
@@ -148,22 +179,17 @@ class Needle {
   bool hand_over_wanted_ = false;
   bool postponed_ = false;  ///< no node may become the tip yet: goes on to the end of its reach
   int passages_ = 0;        ///< flips in this step that made way for the tip
-  bool guessing_ = false;   ///< remaining_ is a guess that must not hand over
   double advanced_ = 0;     ///< over the whole step (m)
-  struct Gap {
-    double b;
-    double gap;
-  };
-  std::optional<Gap> last_gap_;   ///< for the secant
-  std::optional<Gap> too_short_;  ///< the solution lies between these two, as far as they are known
-  std::optional<Gap> too_far_;
-  std::optional<int> pending_membrane_edge_;
-  std::optional<int> membrane_edge_;  ///< the tip stands at this edge, not yet punctured
-  std::set<int> punctured_;
-  double pending_ = 0;            ///< advance left for the next step (lagged, m)
-  double last_tip_force_ = 0;     ///< N
-  int same_side_ = 0;             ///< advances in a row that were too short
-  std::size_t fewest_wrong_ = 0;  ///< contacts that had to change, on this mesh
+  double base_free_ = 0;    ///< advance from base_ that is cut already (m)
+  std::optional<End> end_;  ///< of base_
+  AdvanceSearch search_;
+  std::optional<double> holds_beyond_;      ///< advance at which the search let the tip hold (m)
+  std::optional<ReferencePoint> membrane_;  ///< where the tip stands at it, not yet punctured
+  std::vector<ReferencePoint> punctures_;   ///< of this needle and those before
+  double pending_ = 0;                      ///< advance left for the next step (lagged, m)
+  double last_tip_force_ = 0;               ///< N
+  std::vector<NodeForce> last_forces_;      ///< at the end of the last step
+  std::size_t fewest_wrong_ = 0;            ///< contacts that had to change, on this mesh
   int patience_ = 0;
   int contact_changes_ = 0;  ///< of the shaft in this step
   NeedleCounts counts_;

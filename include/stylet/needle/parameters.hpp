@@ -54,7 +54,8 @@ struct Action {
 
 struct NeedleParameters {
   std::string name;
-  double height = 0;  ///< m; coordinate of the axis across the needle
+  double height = 0;          ///< m; coordinate of the axis across the needle
+  double diameter = 1.27e-3;  ///< m; an 18 gauge needle
   CuttingParameters cutting;
   std::optional<FrictionParameters> friction;
   std::vector<Action> motion;

@@ -15,10 +15,8 @@ struct ShaftNode {
   int node;
   bool attached = true;
   Contact contact = Contact::stick;
-  double slip_sign = 1;    ///< of the friction force on the tissue, along
-  int changes = 0;         ///< of contact in this step since the mesh was last edited
-  double along_force = 0;  ///< of the needle on the tissue at the end of the last step (N)
-  double across_force = 0;
+  double slip_sign = 1;  ///< of the friction force on the tissue, along
+  int changes = 0;       ///< of contact in this step since the mesh was last edited
 };
 
 class Track {

@@ -78,7 +78,7 @@ struct Bench {
   Bench(Mesh tissue_mesh, NeedleParameters parameters, NeedleTissue tissue = {})
       : mesh(std::move(tissue_mesh)), needle(std::move(parameters), std::move(tissue), false) {
     const Entry entry = find_entry(mesh, needle.axis(), "needle");
-    apply(mesh, needle.enter(entry, still(mesh)));
+    apply(mesh, needle.enter(mesh, entry, still(mesh)));
   }
 
   /// One accepted step; after each round of edits `look` is called.
@@ -91,7 +91,7 @@ struct Bench {
         apply(mesh, needle.plan(mesh, still(mesh)));
         look();
       }
-      std::vector<int> nodes = needle.shaft_nodes();
+      std::vector<int> nodes = needle.loaded_nodes(mesh);
       const TrialView trial(nodes, std::vector<NodeTrial>(nodes.size()));
       // Where the first cut went too far ahead the tip waits for the needle without a force.
       const bool waits = Axis::along(mesh.point(needle.track().tip())) > now.to;
@@ -102,7 +102,7 @@ struct Bench {
     }
   }
   [[nodiscard]] NeedleView still_shaft() const {
-    std::vector<int> nodes = needle.shaft_nodes();
+    std::vector<int> nodes = needle.loaded_nodes(mesh);
     const std::size_t n = nodes.size();
     return {std::move(nodes), std::vector<NodeState>(n)};
   }
