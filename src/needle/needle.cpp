@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace stylet {
 
@@ -29,6 +30,8 @@ NodeForce& force_on(std::vector<NodeForce>& forces, int node) {
   const auto found = std::ranges::find(forces, node, &NodeForce::node);
   return found == forces.end() ? forces.emplace_back(NodeForce{node}) : *found;
 }
+// Nearer than this to the end of an earlier cut the tip is there (m).
+constexpr double touching = 1e-9;
 // A hand-over that leaves a worse triangle is refused.
 constexpr double quality_floor = 0.03;
 
@@ -66,7 +69,7 @@ NeedleEdits Needle::enter(const Mesh& mesh, const Entry& entry, const NeedleView
   // The entry node slides by at most the edge to its neighbour.
   const double slide = distance(mesh.point(entry.node), entry.x);
   skin_ = Skin(mesh, entry.node, 0.5 * parameters_.cutting.tip_length + slide);
-  free_ahead_ = tissue_.earlier.free_length(entry.x, Axis::direction(), radius());
+  free_ = tissue_.earlier.free_length(entry.x, Axis::direction(), radius()) > touching;
   NeedleEdits edits;
   if (entry.fraction > 0) edits.moves.push_back({entry.node, entry.x, state});
   return edits;
@@ -112,7 +115,7 @@ bool Needle::presses_on_skin(const Mesh& mesh) const {
 // meshes, at every depth. (A full force on the first bit of path is a point force: the dent that it
 // makes grows with the logarithm of the element size, and the tip jumps when the skin gives way.)
 double Needle::threshold(const Mesh& mesh) const {
-  if (free_ahead_ > 0) return 0;
+  if (free_) return 0;
   const auto& cutting = parameters_.cutting;
   double share = 1;
   if (cutting.stiffness_share > 0) {
@@ -227,7 +230,7 @@ void Needle::forget_search() {
 Needle::End Needle::find_end() const {
   const double reach = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
   End end{std::max(reach, b_), EndKind::hand_over};
-  if (base_free_ > b_ && base_free_ < end.b) end = {base_free_, EndKind::virgin};
+  if (free_ && base_free_ < end.b) end = {base_free_, EndKind::virgin};
   const auto membrane = crossing(base_->distance);
   if (membrane && *membrane <= end.b) end = {std::max(*membrane, b_), EndKind::membrane};
   return end;
@@ -245,7 +248,7 @@ void Needle::pass_end() {
       tip_ = TipContact::stick;
       break;
     case EndKind::virgin:
-      free_ahead_ = 0;
+      free_ = false;
       tip_ = TipContact::stick;
       new_base();
       break;
@@ -269,6 +272,13 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     if (!base_) throw stuck("its tip has reached the boundary of the tissue");
     if (base_->fell_back) ++counts_.fallbacks;
     base_free_ = tissue_.earlier.free_length(base_->p, base_->r, radius());
+    const bool was_free = std::exchange(free_, base_free_ > touching);
+    if (was_free && !free_ && !hand_over_wanted_) {
+      // It has come to the end of the earlier cut.
+      tip_ = TipContact::stick;
+      remaining_ = 0;
+      return edits;
+    }
   }
   // The first cut goes half-way to the edge ahead at once; a membrane in its way is met at the skin.
   const double first_cut = 0.5 * base_->distance;
@@ -310,7 +320,6 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
     if (track_.size() == 1) {
       remaining_ = std::max(0.0, remaining_ - first_cut);
       advanced_ += first_cut;
-      free_ahead_ = std::max(0.0, free_ahead_ - first_cut);
     }
     hand_over_wanted_ = false;
     const Contact inherited = track_.nodes().back().contact;
@@ -334,7 +343,6 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
   if (to != b_) {
     advanced_ += to - b_;
     b_ = to;
-    free_ahead_ = std::max(0.0, base_free_ - b_);
     edits.moves.push_back(advanced(*base_, tip, b_));
   }
   return edits;

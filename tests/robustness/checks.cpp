@@ -88,11 +88,11 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
   const bool is_explicit = simulation.scene().time.method == TimeMethod::explicit_newmark;
   const auto set = needle.constraints(mesh);
   if (set.mean && !is_explicit) {
+    std::vector<int> loaded;
+    for (const auto& [dof, weight] : set.mean->weights) loaded.push_back(dof);
+    const auto moved = gather(vectors, loaded)[0];
     double mean = 0;
-    for (const auto& [dof, weight] : set.mean->weights) {
-      const auto at = std::ranges::find(dofs, dof) - dofs.begin();
-      mean += weight * u[static_cast<std::size_t>(at)];
-    }
+    for (std::size_t i = 0; i < moved.size(); ++i) mean += set.mean->weights[i].value * moved[i];
     // rtol of the solver is 1e-11 of displacements of some centimetres.
     if (std::abs(mean - set.mean->value) > 1e-9) {
       breach("tip " + number(mean - set.mean->value) + " m from its place");

@@ -168,9 +168,9 @@ class Needle {
   NeedlePhase phase_ = NeedlePhase::outside;
   TipContact tip_ = TipContact::stick;
   Track track_;
-  Skin skin_;              ///< around the entry, as far as the tip can press on it
-  double free_ahead_ = 0;  ///< of the way that an earlier needle has cut (m)
-  double exposed_ = 0;     ///< length of the path ahead of a withdrawn tip (m)
+  Skin skin_;           ///< around the entry, as far as the tip can press on it
+  bool free_ = false;   ///< the tip moves where an earlier needle has cut
+  double exposed_ = 0;  ///< length of the path ahead of a withdrawn tip (m)
 
   // The advance within the present step.
   std::optional<AdvanceBase> base_;
