@@ -130,6 +130,19 @@ Codec<std::string> text(const std::string& what) {
           [](const std::string& value) { return Node::scalar(value); }};
 }
 
+Codec<std::string> path(const std::string& what) {
+  Codec<std::string> codec = text(what);
+  codec.read = [what, read = codec.read](const Node& node, std::string& value) {
+    read(node, value);
+    try {
+      value = plain_path(value);
+    } catch (const InputError&) {
+      refuse(node, what, "has a quote that is not closed");
+    }
+  };
+  return codec;
+}
+
 Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& range) {
   const Codec<double> item = number(si_unit, range);
   Key key = item.key;
