@@ -23,6 +23,7 @@ Examples:
       --set needles.0.motion.0.position="2.85 cm"
   stylet run input/prostate.yaml --set time.until=implanted --set mesh.refine=1
   stylet check input/prostate.yaml
+  stylet check scene.yaml --set 'tissue.regions."lobe.left".youngs_modulus=80 kPa'
   stylet modes 6 input/prostate.yaml
   stylet stability input/prostate.yaml --set tissue.damping.stiffness_factor=null \
       --set tissue.damping.mass_factor="200 1/s"
@@ -34,6 +35,7 @@ Examples:
   stylet schema
   stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg
 
+Items of lists are counted from 0; names with dots stand in double quotes; KEY=null takes a key away.
 PETSc options stand after -- and only tune solvers: -ksp_*, -pc_*, -log_view.
 Exit codes: 0 done, 2 bad scene or mesh, 3 numerical failure, 4 input/output, 1 anything else.)";
 

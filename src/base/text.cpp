@@ -1,5 +1,8 @@
 #include "stylet/base/text.hpp"
 
+#include "stylet/base/errors.hpp"
+#include "stylet/base/utf8.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -43,6 +46,47 @@ std::string exact(double value) {
   std::array<char, 32> buffer{};  // a double needs at most 24 characters
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), end};
+}
+
+Path parse_path(std::string_view text, char end) {
+  Path path;
+  const auto at_end = [&] {
+    return path.length == text.size() || (end != '\0' && text[path.length] == end);
+  };
+  while (!at_end() || !path.names.empty()) {
+    std::string& name = path.names.emplace_back();
+    if (path.length < text.size() && text[path.length] == '"') {
+      std::size_t i = path.length + 1;
+      for (; i < text.size() && text[i] != '"'; ++i) {
+        if (text[i] == '\\' && i + 1 < text.size()) ++i;
+        name += text[i];
+      }
+      if (i >= text.size()) {
+        throw InputError("'" + cut_short(text, 80) + "': a name in quotes has no closing quote");
+      }
+      path.length = i + 1;
+    }
+    for (; !at_end() && text[path.length] != '.'; ++path.length) name += text[path.length];
+    if (at_end()) break;
+    ++path.length;  // the dot
+  }
+  return path;
+}
+
+std::string below(const std::string& path, const std::string& name) {
+  std::string part = name;
+  if (name.empty() || name.find_first_of(".\"\\=") != std::string::npos) {
+    part = "\"";
+    for (const char c : name) part += c == '"' || c == '\\' ? std::string{'\\', c} : std::string{c};
+    part += "\"";
+  }
+  return path.empty() ? part : path + "." + part;
+}
+
+std::string plain_path(std::string_view text) {
+  std::string path;
+  for (const auto& name : parse_path(text).names) path = below(path, name);
+  return path;
 }
 
 }  // namespace stylet

@@ -1,6 +1,7 @@
 #include "stylet/base/units.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/utf8.hpp"
 
 #include <udunits2.h>
 
@@ -45,7 +46,9 @@ bool looks_like_unit(const std::string& unit) {
 }
 
 Unit parse_unit(const std::string& unit) {
-  return Unit(looks_like_unit(unit) ? ut_parse(unit_system(), unit.c_str(), UT_UTF8) : nullptr);
+  if (!looks_like_unit(unit)) return nullptr;
+  const std::string known = unit == "deg" ? "degree" : unit;  // what udunits2 calls it
+  return Unit(ut_parse(unit_system(), known.c_str(), UT_UTF8));
 }
 
 /// Same dimension. Not ut_are_convertible, which takes a frequency for a time.
@@ -62,6 +65,41 @@ double convert(double value, const Unit& from, const Unit& to) {
   return factor < 1 && std::abs(divisor * factor - 1) < 1e-15 ? value / divisor : value * factor;
 }
 
+/// With the minus and the spaces of a keyboard for those of a typesetter.
+std::string as_typed(std::string_view text) {
+  std::string typed;
+  while (!text.empty()) {
+    const Glyph glyph = first_glyph(text);
+    const char32_t code = glyph.valid ? glyph.code : 0;
+    if (is_typographic_space(code)) {
+      typed += ' ';
+    } else if (code == 0x2212 || (code >= 0x2010 && code <= 0x2013)) {  // minus, hyphens, dashes
+      typed += '-';
+    } else {
+      typed += text.substr(0, glyph.length);
+    }
+    text.remove_prefix(glyph.length);
+  }
+  return typed;
+}
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Why a text with a comma in its number is none; empty if there is no such comma.
+std::string comma_fault(const std::string& text) {
+  const auto comma = text.find(',');
+  if (comma == 0 || comma == std::string::npos || comma + 1 == text.size()) return {};
+  if (!is_digit(text[comma - 1]) || !is_digit(text[comma + 1])) return {};
+  std::string meant = text;
+  meant[comma] = '.';
+  if (meant.find_first_of(",.", comma + 1) != std::string::npos || text.find('.') < comma) {
+    return "has a comma in its number; numbers have a decimal point and nothing between thousands";
+  }
+  return "has a decimal comma; write " + meant;
+}
+
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\n");
   if (first == std::string::npos) return {};
@@ -71,7 +109,7 @@ std::string trimmed(const std::string& text) {
 }  // namespace
 
 std::optional<Quantity> split_quantity(const std::string& text) {
-  const std::string body = trimmed(text);
+  const std::string body = trimmed(as_typed(text));
   const char* first = body.data();
   const char* const last = first + body.size();
   if (body.size() > 1 && body[0] == '+' && body[1] != '-') ++first;  // not known to from_chars
@@ -81,27 +119,42 @@ std::optional<Quantity> split_quantity(const std::string& text) {
   return Quantity{number, trimmed({end, last})};
 }
 
-std::optional<double> plain_number(const std::string& text) {
+Reading read_plain(const std::string& text) {
   const auto leading = split_quantity(text);
-  if (!leading || !leading->unit.empty()) return std::nullopt;
-  return leading->number;
+  if (leading && leading->unit.empty()) return {leading->number};
+  const std::string comma = comma_fault(text);
+  if (!comma.empty()) return {0, comma};
+  if (!leading) return {0, "is not a finite number"};
+  return {0, "has '" + cut_short(leading->unit, 60) + "' behind its number"};
+}
+
+std::optional<double> plain_number(const std::string& text) {
+  const Reading reading = read_plain(text);
+  return reading.fault.empty() ? std::optional(reading.value) : std::nullopt;
+}
+
+Reading read_quantity(const std::string& text, const std::string& si_unit) {
+  const auto leading = split_quantity(text);
+  if (!leading) return {0, "does not start with a finite number"};
+  if (leading->unit.empty()) return {0, "needs a unit, such as " + customary_unit(si_unit)};
+  const Unit from = parse_unit(leading->unit);
+  if (!from) {
+    const std::string comma = comma_fault(text);
+    return {0,
+            comma.empty() ? "has the unknown unit '" + cut_short(leading->unit, 60) + "'" : comma};
+  }
+  const Unit to = parse_unit(si_unit);
+  if (!to) throw Error(ExitCode::other, "'" + si_unit + "' is not a unit of udunits2");
+  if (!same_dimension(from, to)) return {0, "is not convertible to " + si_unit};
+  const double value = convert(leading->number, from, to);
+  if (!std::isfinite(value)) return {0, "is not a finite number in " + si_unit};
+  return {value};
 }
 
 double to_si(const std::string& text, const std::string& si_unit) {
-  const auto refuse = [&text](const std::string& reason) {
-    throw InputError("'" + text + "' " + reason);
-  };
-  const auto leading = split_quantity(text);
-  if (!leading) refuse("does not start with a finite number");
-  if (leading->unit.empty()) refuse("needs a unit, such as " + customary_unit(si_unit));
-  const Unit from = parse_unit(leading->unit);
-  if (!from) refuse("has the unknown unit '" + leading->unit + "'");
-  const Unit to = parse_unit(si_unit);
-  if (!to) throw Error(ExitCode::other, "'" + si_unit + "' is not a unit of udunits2");
-  if (!same_dimension(from, to)) refuse("is not convertible to " + si_unit);
-  const double value = convert(leading->number, from, to);
-  if (!std::isfinite(value)) refuse("is not a finite number in " + si_unit);
-  return value;
+  const Reading reading = read_quantity(text, si_unit);
+  if (reading.fault.empty()) return reading.value;
+  throw InputError("'" + cut_short(text, 60) + "' " + reading.fault);
 }
 
 std::string customary_unit(const std::string& si_unit) {

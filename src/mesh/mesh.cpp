@@ -112,6 +112,8 @@ bool Mesh::is_locked_edge(int a, int b) const {
 std::vector<int> Mesh::facets_of(const std::string& curve) const {
   const auto found = std::ranges::find(data_.curve_names, curve);
   if (found == data_.curve_names.end()) {
+    const auto stray = std::ranges::find(data_.stray_curves, curve, &StrayCurve::name);
+    if (stray != data_.stray_curves.end()) throw InputError(stray->fault);
     throw InputError(data_.source + ": no curve named '" + curve +
                      "'; the mesh has: " + list(data_.curve_names));
   }

@@ -41,6 +41,7 @@ MeshData refine_once(const MeshData& coarse) {
   MeshData fine;
   fine.region_names = coarse.region_names;
   fine.curve_names = coarse.curve_names;
+  fine.stray_curves = coarse.stray_curves;
   fine.source = coarse.source;
   fine.coordinates = coarse.coordinates;
   fine.coordinates.reserve(coarse.coordinates.size() + 2 * edges.size());

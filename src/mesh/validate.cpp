@@ -1,10 +1,12 @@
 #include "stylet/mesh/validate.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <map>
+#include <tuple>
 
 namespace stylet {
 
@@ -27,9 +29,27 @@ class Validator {
   void check_sides();
 
  private:
+  /// A number of the file; without an origin, counted from 1.
+  [[nodiscard]] static std::string number_of(const std::vector<std::int64_t>& numbers, int i) {
+    const std::int64_t counted = std::int64_t{i} + 1;
+    return std::to_string(numbers.empty() ? counted : numbers[i]);
+  }
+  [[nodiscard]] std::string node_number(int node) const {
+    return number_of(mesh_.origin.node_number, node);
+  }
   [[nodiscard]] std::string describe(int cell) const;
+  [[nodiscard]] std::string describe_facet(int facet) const;
+  /// The source, with the place there of the i-th of these.
+  [[nodiscard]] std::string at(const std::vector<std::int64_t>& places, int i) const {
+    if (places.empty()) return mesh_.source + ": ";
+    return mesh_.source + (mesh_.origin.is_binary ? ": byte " : ":") + std::to_string(places[i]) +
+           ": ";
+  }
   [[noreturn]] void fail(const std::string& message) const {
     throw InputError(mesh_.source + ": " + message);
+  }
+  [[noreturn]] void fail_at_cell(int cell, const std::string& message) const {
+    throw InputError(at(mesh_.origin.cell_place, cell) + describe(cell) + message);
   }
   [[nodiscard]] double measure(int cell) const;
   [[nodiscard]] double longest_edge(int cell) const;
@@ -38,20 +58,28 @@ class Validator {
   [[nodiscard]] Side side_of(const int* nodes, int cell) const;
   [[nodiscard]] std::vector<Side> sorted_sides() const;
   void check_shared(const Side& a, const Side& b) const;
-  void check_facets(const std::vector<Side>& sides) const;
+  void check_facets(const std::vector<Side>& sides);
 
   MeshData& mesh_;
   int n_corners_;
 };
 
 std::string Validator::describe(int cell) const {
-  std::ostringstream text;
-  text << (mesh_.dim == 2 ? "triangle " : "tetrahedron ") << cell + 1 << " (nodes ";
-  for (int k = 0; k < n_corners_; ++k) text << (k > 0 ? ", " : "") << node(cell, k) + 1;
-  text << "; first at (";
-  for (int k = 0; k < mesh_.dim; ++k) text << (k > 0 ? ", " : "") << x(node(cell, 0), k);
-  text << ") m)";
-  return text.str();
+  std::string text = mesh_.dim == 2 ? "triangle " : "tetrahedron ";
+  text += number_of(mesh_.origin.cell_number, cell) + " (nodes ";
+  for (int k = 0; k < n_corners_; ++k) text += (k > 0 ? ", " : "") + node_number(node(cell, k));
+  text += "; first at (";
+  for (int k = 0; k < mesh_.dim; ++k) text += (k > 0 ? ", " : "") + exact(x(node(cell, 0), k));
+  return text + ") m)";
+}
+
+std::string Validator::describe_facet(int facet) const {
+  std::string text = "facet " + number_of(mesh_.origin.facet_number, facet) + " of '" +
+                     mesh_.curve_names[mesh_.facet_curve[facet]] + "' (nodes ";
+  for (int k = 0; k < mesh_.dim; ++k) {
+    text += (k > 0 ? ", " : "") + node_number(mesh_.facets[mesh_.dim * facet + k]);
+  }
+  return text + ")";
 }
 
 void Validator::check_sizes() const {
@@ -93,8 +121,7 @@ void Validator::check_nodes() const {
         if (node(c, k) == bad) user = describe(c);
       }
     }
-    fail("node " + std::to_string(bad + 1) + " has a coordinate that is not finite, used by " +
-         user);
+    fail("node " + node_number(bad) + " has a coordinate that is not finite, used by " + user);
   }
 }
 
@@ -129,28 +156,13 @@ double Validator::longest_edge(int cell) const {
 void Validator::orient() {
   // Rounding alone leaves about 1e-16; a cell this flat has no usable gradient in double precision.
   constexpr double flat = 1e-12;
-  const std::size_t n_regions = mesh_.region_names.size();
-  std::vector<int> n_right(n_regions, 0);
-  std::vector<int> n_left(n_regions, 0);
-  std::vector<bool> is_left(mesh_.n_cells());
   for (int c = 0; c < mesh_.n_cells(); ++c) {
     const double size = measure(c);
     if (!(std::abs(size) > flat * std::pow(longest_edge(c), mesh_.dim))) {
-      fail(describe(c) + " is degenerate: its " + (mesh_.dim == 2 ? "area" : "volume") +
-           " is zero");
+      fail_at_cell(c, std::string(" is degenerate: its ") + (mesh_.dim == 2 ? "area" : "volume") +
+                          " is zero");
     }
-    is_left[c] = size < 0;
-    ++(size < 0 ? n_left : n_right)[mesh_.cell_region[c]];
-  }
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const int region = mesh_.cell_region[c];
-    if (n_right[region] > 0 && n_left[region] > 0) {
-      const bool minority_is_left = n_left[region] <= n_right[region];
-      if (is_left[c] != minority_is_left) continue;
-      fail(describe(c) + " is inverted: the other cells of region '" + mesh_.region_names[region] +
-           "' have the opposite orientation");
-    }
-    if (is_left[c]) std::swap(mesh_.cells[n_corners_ * c + 1], mesh_.cells[n_corners_ * c + 2]);
+    if (size < 0) std::swap(mesh_.cells[n_corners_ * c + 1], mesh_.cells[n_corners_ * c + 2]);
   }
 }
 
@@ -197,33 +209,48 @@ void Validator::check_shared(const Side& a, const Side& b) const {
     return nodes;
   };
   if (sorted(a.cell) == sorted(b.cell)) {
-    fail(describe(b.cell) + " is a duplicate of " + describe(a.cell));
+    const std::string& region = mesh_.region_names[mesh_.cell_region[a.cell]];
+    const std::string& other = mesh_.region_names[mesh_.cell_region[b.cell]];
+    fail_at_cell(b.cell, " is a duplicate of " + describe(a.cell) +
+                             (region == other ? ""
+                                              : ", in regions '" + other + "' and '" + region +
+                                                    "'; allowed: one region a cell"));
   }
   if (a.even == b.even) {
-    fail(describe(b.cell) + " overlaps " + describe(a.cell) + ": both lie on the same side of a " +
-         (mesh_.dim == 2 ? "shared edge" : "shared face"));
+    fail_at_cell(b.cell, " overlaps " + describe(a.cell) + ": both lie on the same side of a " +
+                             (mesh_.dim == 2 ? "shared edge" : "shared face"));
   }
 }
 
-void Validator::check_facets(const std::vector<Side>& sides) const {
-  std::vector<std::pair<std::array<int, 3>, int>> seen;
+void Validator::check_facets(const std::vector<Side>& sides) {
+  struct Facet {
+    std::array<int, 3> key;
+    int curve;
+    int number;
+  };
+  std::vector<Facet> facets;
+  std::map<int, std::string> strays;
   for (int f = 0; f < mesh_.n_facets(); ++f) {
     const auto key =
         side_of(mesh_.facets.data() + static_cast<std::ptrdiff_t>(mesh_.dim) * f, -1).key;
     const auto found = std::ranges::lower_bound(sides, key, {}, &Side::key);
     if (found == sides.end() || found->key != key) {
-      fail("facet " + std::to_string(f + 1) + " of '" + mesh_.curve_names[mesh_.facet_curve[f]] +
-           "' with nodes " + std::to_string(key[0] + 1) + " and " + std::to_string(key[1] + 1) +
-           " is no edge of a cell; named curves must run along cells");
+      strays.try_emplace(mesh_.facet_curve[f],
+                         at(mesh_.origin.facet_place, f) + describe_facet(f) +
+                             " is no edge of a cell; named curves must run along cells");
     }
-    seen.emplace_back(key, mesh_.facet_curve[f]);
+    facets.push_back({key, mesh_.facet_curve[f], f});
   }
-  std::ranges::sort(seen);
-  const auto twice = std::ranges::adjacent_find(seen);
-  if (twice == seen.end()) return;
-  fail("a facet of '" + mesh_.curve_names[twice->second] + "' with nodes " +
-       std::to_string(twice->first[0] + 1) + " and " + std::to_string(twice->first[1] + 1) +
-       " is given twice");
+  std::ranges::sort(facets, [](const Facet& a, const Facet& b) {
+    return std::tie(a.key, a.curve, a.number) < std::tie(b.key, b.curve, b.number);
+  });
+  for (std::size_t i = 1; i < facets.size(); ++i) {
+    const Facet& f = facets[i];
+    if (f.key != facets[i - 1].key || f.curve != facets[i - 1].curve) continue;
+    throw InputError(at(mesh_.origin.facet_place, f.number) + describe_facet(f.number) +
+                     " is given twice");
+  }
+  mesh_.make_stray(strays);
 }
 
 void Validator::check_sides() {
@@ -234,9 +261,9 @@ void Validator::check_sides() {
     if (i + 2 < sides.size() && sides[i].key == sides[i + 2].key) {
       check_shared(sides[i], sides[i + 2]);
       check_shared(sides[i + 1], sides[i + 2]);
-      fail(describe(sides[i + 2].cell) + " shares an edge with two others, " +
-           describe(sides[i].cell) + " and " + describe(sides[i + 1].cell) +
-           "; allowed: two cells an edge");
+      fail_at_cell(sides[i + 2].cell,
+                   " shares an edge with two others, " + describe(sides[i].cell) + " and " +
+                       describe(sides[i + 1].cell) + "; allowed: two cells an edge");
     }
   }
   check_facets(sides);
@@ -250,6 +277,7 @@ void validate(MeshData& mesh) {
   validator.check_nodes();
   validator.orient();
   validator.check_sides();
+  mesh.origin = {};
 }
 
 }  // namespace stylet

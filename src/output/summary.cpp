@@ -1,5 +1,6 @@
 #include "stylet/output/summary.hpp"
 
+#include "stylet/base/text.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -38,11 +39,8 @@ void write_summary(MPI_Comm comm, const std::string& path, const Json& summary) 
 
 std::optional<double> find_number(const Json& summary, std::string_view path) {
   const Json* here = &summary;
-  while (here != nullptr) {
-    const std::size_t dot = path.find('.');
-    here = entry(*here, path.substr(0, dot));
-    if (dot == std::string_view::npos) break;
-    path.remove_prefix(dot + 1);
+  for (const auto& name : parse_path(path).names) {
+    here = here == nullptr ? nullptr : entry(*here, name);
   }
   if (here == nullptr) return std::nullopt;
   if (here->is_boolean()) return here->get<bool>() ? 1.0 : 0.0;

@@ -17,6 +17,10 @@ std::vector<std::string> names_of(const Key& block) {
 void require_known(const Node& child, const Key& block) {
   const std::vector<std::string> names = names_of(block);
   if (std::ranges::find(names, child.key) != names.end()) return;
+  const bool is_number = !child.key.empty() && child.key[0] >= '0' && child.key[0] <= '9';
+  if (is_number && child.kind == Node::Kind::null) {  // the end of '{step: 0,5 ms}'
+    refuse(child, join(names), "is given to a number: is it a decimal comma? Write a point");
+  }
   refuse(
       child, join(names),
       "is given to an unknown key, the nearest known key is '" + nearest(child.key, names) + "'");
@@ -64,8 +68,7 @@ void require_block(const Node& node, const Key& key, const Exclusive& exclusive)
   for (const Node& child : node.children) require_known(child, key);
   for (const Key& wanted : key.keys) {
     if (!wanted.required || node.find(wanted.name)) continue;
-    const std::string path = node.path.empty() ? wanted.name : node.path + "." + wanted.name;
-    refuse_missing(node, path, offer(wanted));
+    refuse_missing(node, below(node.path, wanted.name), offer(wanted));
   }
   const auto n_given = std::ranges::count_if(
       exclusive.names, [&node](const std::string& name) { return node.find(name) != nullptr; });

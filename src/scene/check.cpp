@@ -80,7 +80,7 @@ class Rules {
     const TimeMethod method = scene_.time.method;
     for (const RegionTissue& region : scene_.tissue.regions) {
       require(region.material.density > 0 || method == TimeMethod::quasi_static,
-              "tissue.regions." + region.region + ".density",
+              below("tissue.regions", region.region) + ".density",
               "> 0 kg/m^3 unless time.method is quasi_static");
     }
     require(method != TimeMethod::explicit_newmark || scene_.tissue.mass == MassKind::lumped,
@@ -160,7 +160,7 @@ class Rules {
                       bool is_list) const {
     std::set<std::string> seen;
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const std::string path = is_list ? item(list, i) + ".name" : list + "." + names[i];
+      const std::string path = is_list ? item(list, i) + ".name" : below(list, names[i]);
       require(seen.insert(names[i]).second, path, "a name that is not taken");
     }
   }

@@ -3,8 +3,10 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
+#include "stylet/base/utf8.hpp"
 #include "stylet/scene/block.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -34,22 +36,31 @@ bool in_range(double value, const Range& range) {
 }
 
 double read_number(const Node& node, const Key& key, const Range& range) {
-  double value = 0;
   if (node.kind != Node::Kind::scalar) refuse(node, offer(key));
-  if (key.unit.empty()) {
-    const auto number = plain_number(node.text);
-    if (!number) refuse(node, offer(key));
-    value = *number;
-  } else {
-    try {
-      value = to_si(node.text, key.unit);
-    } catch (const InputError& error) {
-      const std::string quoted = "'" + node.text + "' ";  // the message repeats the value
-      refuse(node, offer(key), std::string(error.what()).substr(quoted.size()));
-    }
-  }
+  const Reading reading =
+      key.unit.empty() ? read_plain(node.text) : read_quantity(node.text, key.unit);
+  if (!reading.fault.empty()) refuse(node, offer(key), reading.fault);
+  const double value = reading.value;
   if (!in_range(value, range)) refuse(node, offer(key));
   return value;
+}
+
+/// A non-breaking space at either end of a name comes from a word processor.
+void require_no_outer_space(const Node& node, const std::string& allowed) {
+  std::size_t last = node.text.size() - 1;
+  while (last > 0 && (static_cast<unsigned char>(node.text[last]) & 0xC0U) == 0x80U) --last;
+  for (const std::size_t at : {std::size_t{0}, last}) {
+    const Glyph glyph = first_glyph(std::string_view(node.text).substr(at));
+    if (is_typographic_space(glyph.code)) refuse(node, allowed, "has a " + named(glyph));
+  }
+}
+
+/// '[0,5 mm, 1 cm]' has three items.
+std::string comma_hint(const Node& list) {
+  const bool bare = std::ranges::any_of(list.children, [](const Node& child) {
+    return child.kind == Node::Kind::scalar && plain_number(child.text);
+  });
+  return bare ? "has a number without a unit: is it a decimal comma? Write a point" : "";
 }
 
 }  // namespace
@@ -78,18 +89,13 @@ Codec<double> number_in_any_unit() {
   const Key key{.type = "number", .allowed = "in SI or with any unit"};
   const auto read = [key](const Node& node, double& value) {
     if (node.kind != Node::Kind::scalar) refuse(node, "a number " + key.allowed);
-    if (const auto number = plain_number(node.text)) {
-      value = *number;
-      return;
-    }
+    Reading reading = read_plain(node.text);
     for (const char* unit : {"m", "N", "s", "m/s", "Pa", "J", "N/m", "1/s"}) {
-      try {
-        value = to_si(node.text, unit);
-        return;
-      } catch (const InputError&) {
-        continue;  // another dimension; the next one may fit
-      }
+      if (reading.fault.empty()) break;
+      reading = read_quantity(node.text, unit);
     }
+    value = reading.value;
+    if (reading.fault.empty()) return;
     refuse(node, "a number, plain or in units of m, N, s, m/s, Pa, J, N/m or 1/s");
   };
   return {key, read, [](const double& value) { return Node::scalar(exact(value)); }};
@@ -117,10 +123,24 @@ Codec<bool> flag() {
 Codec<std::string> text(const std::string& what) {
   const auto read = [what](const Node& node, std::string& value) {
     if (node.kind != Node::Kind::scalar || node.text.empty()) refuse(node, what);
+    require_no_outer_space(node, what);
     value = node.text;
   };
   return {Key{.type = "text", .allowed = what}, read,
           [](const std::string& value) { return Node::scalar(value); }};
+}
+
+Codec<std::string> path(const std::string& what) {
+  Codec<std::string> codec = text(what);
+  codec.read = [what, read = codec.read](const Node& node, std::string& value) {
+    read(node, value);
+    try {
+      value = plain_path(value);
+    } catch (const InputError&) {
+      refuse(node, what, "has a quote that is not closed");
+    }
+  };
+  return codec;
 }
 
 Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& range) {
@@ -129,7 +149,7 @@ Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& r
   key.type = "pair";
   const auto read = [=](const Node& node, std::pair<double, double>& value) {
     if (node.kind != Node::Kind::list || node.children.size() != 2) {
-      refuse(node, "[x, y], each " + offer(item.key));
+      refuse(node, "[x, y], each " + offer(item.key), comma_hint(node));
     }
     item.read(node.children[0], value.first);
     item.read(node.children[1], value.second);
@@ -149,7 +169,7 @@ Codec<std::array<std::optional<double>, 2>> components(const std::string& si_uni
   const Key key{.type = "pair", .unit = si_unit, .allowed = "null leaves a component free"};
   const auto read = [=](const Node& node, Components& value) {
     if (node.kind != Node::Kind::list || node.children.size() != 2) {
-      refuse(node, "[x, y], each null or " + offer(item.key));
+      refuse(node, "[x, y], each null or " + offer(item.key), comma_hint(node));
     }
     for (std::size_t i = 0; i < 2; ++i) {
       value[i].reset();

@@ -2,11 +2,11 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/base/utf8.hpp"
 #include "stylet/scene/schema.hpp"
 
 #include <algorithm>
 #include <span>
-#include <sstream>
 #include <utility>
 
 namespace stylet {
@@ -20,32 +20,22 @@ struct Override {
   Node value;
 };
 
-std::vector<std::string> split(const std::string& path) {
-  std::vector<std::string> parts;
-  std::istringstream stream(path);
-  for (std::string part; std::getline(stream, part, '.');) parts.push_back(part);
-  return parts;
-}
-
-std::string below(const Node& node, const std::string& name) {
-  return node.path.empty() ? name : node.path + "." + name;
-}
-
 [[noreturn]] void refuse_path(const Node& parent,
                               const Key& key,
                               const std::string& name,
                               const Override& given) {
   std::vector<std::string> names;
   std::ranges::transform(key.keys, std::back_inserter(names), &Key::name);
-  std::string suggestion = below(parent, nearest(name, names));
+  std::string suggestion = below(parent.path, nearest(name, names));
   // The same name in another block is more likely what was meant: 'step' for 'time.step'.
   const auto rows = schema_rows();
   const auto same = std::ranges::find(rows, name, [](const auto& row) { return row.key->name; });
   if (names.empty() || same != rows.end()) {
     suggestion = same != rows.end() ? same->path : parent.path;
   }
-  throw InputError(given.where + ": key '" + below(parent, name) + "': unknown key for value '" +
-                   shown(given.value) + "', the nearest known key is '" + suggestion + "'" +
+  throw InputError(given.where + ": key '" + cut_short(below(parent.path, name), longest_path) +
+                   "': unknown key for value '" + shown(given.value) +
+                   "', the nearest known key is '" + suggestion + "'" +
                    (names.empty() ? "" : "; allowed: " + join(names)));
 }
 
@@ -53,9 +43,20 @@ Node& item(Node& node, const std::string& number, const Override& given) {
   const auto child = std::ranges::find(node.children, number, &Node::key);
   if (node.kind == Node::Kind::list && child != node.children.end()) return *child;
   const std::size_t n_items = node.kind == Node::Kind::list ? node.children.size() : 0;
-  throw InputError(given.where + ": key '" + below(node, number) + "': no such item for value '" +
-                   shown(given.value) + "'; allowed: one of the " + std::to_string(n_items) +
-                   " items of '" + node.path + "', counted from 0");
+  throw InputError(given.where + ": key '" + cut_short(below(node.path, number), longest_path) +
+                   "': no such item for value '" + shown(given.value) + "'; allowed: one of the " +
+                   std::to_string(n_items) + " items of '" + node.path + "', counted from 0");
+}
+
+/// 'tissue.regions.soft.1.density' for the region 'soft.1'.
+void refuse_unquoted(const Node& node, const std::string& name, const Override& given) {
+  if (node.find(name)) return;
+  const auto meant = std::ranges::find_if(
+      node.children, [&](const Node& child) { return child.key.starts_with(name + "."); });
+  if (meant == node.children.end()) return;
+  throw InputError(given.where + ": key '" + below(node.path, name) +
+                   "': no such name for value '" + shown(given.value) +
+                   "'; names with dots stand in double quotes: " + meant->path);
 }
 
 /// The child of that name, made if it is not there.
@@ -68,7 +69,7 @@ Node& member(Node& node, const std::string& name, const Override& given) {
   if (child == node.children.end()) {
     node.add(Node(), name);
     child = std::prev(node.children.end());
-    child->place(below(node, name), given.where);
+    child->place(below(node.path, name), given.where);
   }
   return *child;
 }
@@ -118,6 +119,14 @@ void set(Node& node, const Key& key, Parts parts, const Override& given) {
     std::erase_if(node.children, [&name](const Node& old) { return old.key == name; });
     return;
   }
+  if (key.form == Key::Form::named && parts.size() > 1) refuse_unquoted(node, name, given);
+  if (given.value.kind == Node::Kind::null && !node.find(name)) {
+    Node
+        nothing;  // what is not there needs not be taken away; the path has to be right all the same
+    nothing.place(below(node.path, name), given.where);
+    set(nothing, *child, parts.subspan(1), given);
+    return;
+  }
   set(member(node, name, given), *child, parts.subspan(1), given);
 }
 
@@ -126,16 +135,22 @@ void set(Node& node, const Key& key, Parts parts, const Override& given) {
 void apply_override(Node& document,
                     const std::string& file_name,
                     const std::string& override_text) {
-  const std::string where = file_name + ": override '" + override_text + "'";
-  const auto equals = override_text.find('=');
-  std::string path = override_text.substr(0, equals);
-  path.erase(path.find_last_not_of(' ') + 1);
-  const std::vector<std::string> parts = split(path);
-  if (equals == std::string::npos || parts.empty()) {
-    throw InputError(where + ": allowed: key=value, such as time.step=0.5 ms");
+  const std::string where =
+      file_name + ": override '" + cut_short(override_text, longest_shown) + "'";
+  Path path;
+  try {
+    path = parse_path(override_text, '=');
+  } catch (const InputError& error) {
+    throw InputError(where + ": " + error.what());
   }
-  const Override given{where, parse_yaml(where, override_text.substr(equals + 1))};
-  set(document, scene_codec().key, parts, given);
+  const auto value = override_text.find_first_not_of(" \n", path.length + 1);
+  if (value == std::string::npos || path.names.empty()) {
+    throw InputError(where +
+                     ": allowed: key=value, such as time.step=0.5 ms; key=null takes it away");
+  }
+  path.names.back().erase(path.names.back().find_last_not_of(' ') + 1);
+  const Override given{where, parse_yaml(where, override_text.substr(path.length + 1))};
+  set(document, scene_codec().key, path.names, given);
 }
 
 }  // namespace stylet

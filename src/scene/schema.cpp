@@ -170,7 +170,7 @@ Codec<OutputParameters> output() {
 Codec<Expectation> expectation() {
   using E = Expectation;
   return block<E>(
-      {field("quantity", &E::quantity, text("a path in summary.json"), "A number of summary.json.")
+      {field("quantity", &E::quantity, path("a path in summary.json"), "A number of summary.json.")
            .required(),
        field("min", &E::min, number_in_any_unit(), "Smallest value that passes.")
            .otherwise("none")

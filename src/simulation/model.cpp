@@ -30,7 +30,7 @@ MeshData source_mesh(MPI_Comm comm, const Scene& scene) {
   const auto path =
       file.is_absolute() ? file : std::filesystem::path(scene.file).parent_path() / file;
   const std::string name = path.lexically_normal().string();
-  return read_gmsh(name, read_on_all(comm, name), scene.mesh.scale);
+  return read_gmsh(name, read_on_all(comm, name), scene.mesh.scale, 2);
 }
 
 std::string at(ReferencePoint x) {
@@ -118,9 +118,6 @@ Scene in_needle_frame(Scene scene) {
 NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene) {
   MeshData data = source_mesh(comm, scene);
   validate(data);
-  if (data.dim != 2) {
-    throw InputError(data.source + ": a scene needs a mesh of triangles, this one has tetrahedra");
-  }
   turn(data, Rotation(scene.needle_angle));
   if (scene.mesh.refine > 0) data = refine(data, scene.mesh.refine);
   auto numbering = number_nodes(data, size_of(comm));

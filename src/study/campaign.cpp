@@ -1,6 +1,7 @@
 #include "stylet/study/campaign.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/scene/block.hpp"
 
 #include <algorithm>
@@ -24,10 +25,10 @@ Codec<Variable> variable() {
   const Choices<Scale> scales = {{"linear", Scale::linear}, {"log", Scale::logarithmic}};
   const auto factor = wrap(&Factor::power, plain(anything));
   return block<V>(
-      {field("key", &V::key, text("a key of the scene"), "Key that takes the value."),
+      {field("key", &V::key, path("a key of the scene"), "Key that takes the value."),
        field("factor_of", &V::factor_of, named("KEY", &Factor::key, factor),
              "Keys that are multiplied by the value to a power: 1, -1 ..."),
-       field("offset_of", &V::offset_of, list(text("a key of the scene")),
+       field("offset_of", &V::offset_of, list(path("a key of the scene")),
              "Keys to which the value is added."),
        field("values", &V::values, list(text("a value")), "The values."),
        field("from", &V::from, text("a value"), "Start of a range."),
@@ -44,7 +45,7 @@ Codec<Variable> variable() {
 Codec<Campaign> codec() {
   using C = Campaign;
   const auto window = block<Window>(
-      {field("offset_of", &Window::offset_of, list(text("a key of the scene")),
+      {field("offset_of", &Window::offset_of, list(path("a key of the scene")),
              "Keys that are shifted together.")
            .required(),
        field("width", &Window::width, text("a length"), "From the first to the last shift.")
@@ -62,10 +63,28 @@ Codec<Campaign> codec() {
              "random, latin_hypercube: runs; morris: trajectories; sobol: N of N (d + 2) runs.")
            .otherwise("needed where values are sampled"),
        field("seed", &C::seed, integer(0), "Of the random numbers."),
-       field("outputs", &C::outputs, list(text("a path in summary.json")), "What is tabulated.")
+       field("outputs", &C::outputs, list(path("a path in summary.json")), "What is tabulated.")
            .required(),
        field("average", &C::average, named("WINDOW", &Window::name, window),
              "Shifts over which every output is averaged.")});
+}
+
+/// Points of the design times shifts of the windows; as a number that does not overflow.
+double n_rows(const Campaign& campaign) {
+  const auto n_levels = [](const Variable& v) {
+    return v.values.empty() ? static_cast<double>(v.count) : static_cast<double>(v.values.size());
+  };
+  const auto d = static_cast<double>(campaign.vary.size());
+  double rows = campaign.samples;
+  if (campaign.design == Design::morris) rows *= d + 1;
+  if (campaign.design == Design::sobol) rows *= d + 2;
+  if (!is_sampled(campaign.design)) rows = 1;
+  for (const Variable& v : campaign.vary) {
+    if (campaign.design == Design::one_at_a_time) rows += n_levels(v);
+    if (campaign.design == Design::grid) rows *= n_levels(v);
+  }
+  for (const Window& window : campaign.average) rows *= window.count;
+  return rows;
 }
 
 void check_rules(const Campaign& campaign, const Node& document) {
@@ -81,7 +100,7 @@ void check_rules(const Campaign& campaign, const Node& document) {
   if (campaign.outputs.empty()) refuse_key("outputs", "at least one path", "is empty");
   if (sampled && campaign.samples == 0) refuse_key("samples", "a number for design " + design, {});
   for (const Variable& v : campaign.vary) {
-    const std::string at = "vary." + v.name;
+    const std::string at = below("vary", v.name);
     if (v.values.empty() == v.from.empty()) {
       refuse_key(at, "either values, or from and to", v.values.empty() ? "has none" : "has both");
     }
@@ -98,6 +117,11 @@ void check_rules(const Campaign& campaign, const Node& document) {
   }
   if (std::ranges::count_if(campaign.vary, &Variable::on_the_way) > 1) {
     refuse_key("vary", "one variable with on_the_way", "has several");
+  }
+  constexpr int most_rows = 100'000;  // all of them are planned before the first is run
+  if (const double rows = n_rows(campaign); rows > most_rows) {
+    refuse_key(sampled ? "samples" : "vary", "at most " + std::to_string(most_rows) + " in all",
+               "makes " + exact(rows) + " points, shifts counted");
   }
 }
 
@@ -124,6 +148,9 @@ Campaign load_campaign(const std::string& file_name,
   Campaign campaign;
   campaign.file = file_name;
   campaign_codec().read(document, campaign);
+  for (Variable& v : campaign.vary) {
+    for (Factor& factor : v.factor_of) factor.key = plain_path(factor.key);
+  }
   check_rules(campaign, document);
   campaign.set.insert(campaign.set.end(), set.begin(), set.end());
   return campaign;

@@ -24,9 +24,12 @@ class Planner {
 
   CampaignPlan plan() {
     for (const Variable& v : campaign_.vary) plan_.units.push_back(unit_of(v));
+    for (const Variable& v : campaign_.vary) ends_.push_back(ends_of(v));
     make_points();
     make_shifts();
-    for (std::size_t first = 0; first < plan_.points.size(); first += points_a_run()) {
+    const auto way = std::ranges::find_if(campaign_.vary, &Variable::on_the_way);
+    if (way != campaign_.vary.end()) points_a_run_ = levels(*way).size();
+    for (std::size_t first = 0; first < plan_.points.size(); first += points_a_run_) {
       for (std::size_t shift = 0; shift < plan_.shifts.size(); ++shift) add_run(first, shift);
     }
     return plan_;
@@ -34,7 +37,7 @@ class Planner {
 
  private:
   [[noreturn]] void refuse_variable(const std::string& name, const std::string& reason) const {
-    throw InputError(campaign_.file + ": key 'vary." + name + "': " + reason);
+    throw InputError(campaign_.file + ": key '" + below("vary", name) + "': " + reason);
   }
 
   [[nodiscard]] double number_in(const std::string& text,
@@ -82,13 +85,23 @@ class Planner {
     return {};
   }
 
-  /// Position 0 to 1 in the range of a variable.
-  [[nodiscard]] std::string between(const Variable& v, double share) const {
+  /// Of the range, in the unit of the variable; nothing of one with values.
+  [[nodiscard]] std::pair<double, double> ends_of(const Variable& v) const {
+    if (v.from.empty()) return {};
     const auto& unit = plan_.units[index_of(v)];
     const double from = number_in(v.from, unit, v.name);
     const double to = number_in(v.to, unit, v.name);
+    if (v.scale == Scale::logarithmic && (from <= 0 || to <= 0)) {
+      refuse_variable(v.name, "a log scale needs positive ends");
+    }
+    return {from, to};
+  }
+
+  /// Position 0 to 1 in the range of a variable.
+  [[nodiscard]] std::string between(const Variable& v, double share) const {
+    const auto& unit = plan_.units[index_of(v)];
+    const auto [from, to] = ends_[index_of(v)];
     if (v.scale == Scale::linear) return with_unit(from + share * (to - from), unit);
-    if (from <= 0 || to <= 0) refuse_variable(v.name, "a log scale needs positive ends");
     return with_unit(from * std::pow(to / from, share), unit);
   }
 
@@ -107,7 +120,16 @@ class Planner {
   [[nodiscard]] std::string base_value(const Variable& v) const {
     if (!v.factor_of.empty()) return "1";
     if (!v.offset_of.empty()) return with_unit(0, plan_.units[index_of(v)]);
-    return shown(written(v.key, v.name));
+    return text_of(written(v.key, v.name));
+  }
+
+  /// As an override takes it.
+  [[nodiscard]] static std::string text_of(const Node& node) {
+    if (node.kind == Node::Kind::scalar) return node.text;
+    if (node.kind == Node::Kind::null) return "null";
+    std::string text = yaml_text(node);
+    text.pop_back();  // the end of the line
+    return text.find('\n') == std::string::npos ? text : "\n" + text;
   }
 
   void make_points() {
@@ -155,13 +177,11 @@ class Planner {
 
   void sort_by_depth(const Variable& v, std::vector<std::string>& texts) const {
     const auto& unit = plan_.units[index_of(v)];
-    std::ranges::sort(texts, {}, [&](const auto& text) { return number_in(text, unit, v.name); });
+    std::vector<std::pair<double, std::string>> by_value;
+    for (auto& text : texts) by_value.emplace_back(number_in(text, unit, v.name), std::move(text));
+    std::ranges::stable_sort(by_value, {}, &std::pair<double, std::string>::first);
+    std::ranges::transform(by_value, texts.begin(), &std::pair<double, std::string>::second);
     if (v.key.ends_with(".position")) std::ranges::reverse(texts);  // needles advance towards -x
-  }
-
-  [[nodiscard]] std::size_t points_a_run() const {
-    const auto way = std::ranges::find_if(campaign_.vary, &Variable::on_the_way);
-    return way == campaign_.vary.end() ? 1 : levels(*way).size();
   }
 
   void make_shifts() {
@@ -169,7 +189,7 @@ class Planner {
     for (const Window& window : campaign_.average) {
       const auto width = split_quantity(window.width);
       if (!width)
-        throw InputError(campaign_.file + ": key 'average." + window.name + ".width': '" +
+        throw InputError(campaign_.file + ": key '" + below("average", window.name) + ".width': '" +
                          window.width + "' does not start with a number");
       std::vector<std::vector<std::string>> finer;
       for (const auto& shift : plan_.shifts) {
@@ -200,7 +220,7 @@ class Planner {
     const auto value_of = [&](const std::string& key, const std::string& name) {
       const auto changed =
           std::ranges::find(changes, key, &std::pair<std::string, std::string>::first);
-      return changed != changes.end() ? changed->second : shown(written(key, name));
+      return changed != changes.end() ? changed->second : text_of(written(key, name));
     };
     const auto change = [&](const std::string& key, const std::string& text) {
       std::erase_if(changes, [&](const auto& old) { return old.first == key; });
@@ -232,7 +252,7 @@ class Planner {
       }
     }
     for (const auto& [key, text] : changes) run.overrides.push_back(key + "=" + text);
-    for (std::size_t i = 0; i < points_a_run(); ++i) {
+    for (std::size_t i = 0; i < points_a_run_; ++i) {
       run.points.push_back(first + i);
       run.outputs.push_back(campaign_.outputs);
     }
@@ -308,6 +328,8 @@ class Planner {
   const Campaign& campaign_;
   const Node& scene_;
   CampaignPlan plan_;
+  std::vector<std::pair<double, double>> ends_;  ///< one a variable
+  std::size_t points_a_run_ = 1;                 ///< more if a variable is taken on the way
 };
 
 }  // namespace

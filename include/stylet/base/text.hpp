@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace stylet {
@@ -21,5 +22,21 @@ namespace stylet {
 
 /// The shortest decimal (at most 17 significant digits) that reads back as exactly `value`.
 [[nodiscard]] std::string exact(double value);
+
+/// A path such as needles.0.height: names joined by dots. A name that would be taken apart, such as
+/// lobe.left, stands in it in double quotes.
+struct Path {
+  std::vector<std::string> names;
+  std::size_t length = 0;  ///< of the text read: up to `end` or all of it
+};
+
+/// Throws InputError where a quote is not closed.
+[[nodiscard]] Path parse_path(std::string_view text, char end = '\0');
+
+/// The path of `name` below `path`.
+[[nodiscard]] std::string below(const std::string& path, const std::string& name);
+
+/// The same path with quotes only where they are needed.
+[[nodiscard]] std::string plain_path(std::string_view text);
 
 }  // namespace stylet

@@ -2,10 +2,29 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 namespace stylet {
+
+/// Where cells, facets and nodes of a file come from, for the messages of `validate`, which empties
+/// it. Each is empty or has one entry a cell, facet or node.
+struct MeshOrigin {
+  bool is_binary = false;  ///< places are bytes, else lines
+  std::vector<std::int64_t> cell_number;
+  std::vector<std::int64_t> cell_place;
+  std::vector<std::int64_t> facet_number;
+  std::vector<std::int64_t> facet_place;
+  std::vector<std::int64_t> node_number;
+};
+
+/// A named curve that does not run along cells: refused where a scene uses it.
+struct StrayCurve {
+  std::string name;
+  std::string fault;
+};
 
 /// Simplices in `dim` dimensions. Boundary pieces are "facets": edges in 2D, triangles in 3D.
 struct MeshData {
@@ -17,11 +36,16 @@ struct MeshData {
   std::vector<int> facets;       ///< dim nodes a facet, of named boundaries and named inner curves
   std::vector<int> facet_curve;  ///< index into curve_names, one a facet
   std::vector<std::string> curve_names;
+  std::vector<StrayCurve> stray_curves;
   std::string source;  ///< file or generator, for messages
+  MeshOrigin origin;
 
   [[nodiscard]] int n_nodes() const { return static_cast<int>(coordinates.size()) / dim; }
   [[nodiscard]] int n_cells() const { return static_cast<int>(cells.size()) / (dim + 1); }
   [[nodiscard]] int n_facets() const { return static_cast<int>(facets.size()) / dim; }
+
+  /// Takes curves and their facets out, for the reasons given.
+  void make_stray(const std::map<int, std::string>& fault_of_curve);
 };
 
 }  // namespace stylet

@@ -60,6 +60,8 @@ inline const Range not_negative{.min = 0};
 [[nodiscard]] Codec<int> integer(int min);
 [[nodiscard]] Codec<bool> flag();
 [[nodiscard]] Codec<std::string> text(const std::string& what);
+/// A path as in base/text, kept with quotes only where they are needed.
+[[nodiscard]] Codec<std::string> path(const std::string& what);
 [[nodiscard]] Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& range);
 
 /// Two components of which either may be null.

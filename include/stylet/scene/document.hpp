@@ -1,11 +1,16 @@
 // A YAML document as a plain tree whose nodes know their path and where they were written, so that
-// every message can say so. The only file that knows yaml-cpp is document.cpp.
+// every message can say so.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace stylet {
+
+// In messages, bytes.
+inline constexpr std::size_t longest_shown = 60;
+inline constexpr std::size_t longest_path = 200;
 
 struct Node {
   enum class Kind { null, scalar, list, map };
@@ -13,8 +18,8 @@ struct Node {
   std::string key;             ///< its name in the map above, or its number in the list above
   std::string text;            ///< of a scalar
   std::vector<Node> children;  ///< of a list or a map, in file order
-  std::string path;            ///< such as needles.0.cutting.tip_length; empty at the top
-  std::string where;           ///< file:line:column, or the override that wrote it
+  std::string path;   ///< such as needles.0.cutting.tip_length (base/text); empty at the top
+  std::string where;  ///< file:line:column, or the override that wrote it
 
   [[nodiscard]] static Node scalar(std::string text);
   [[nodiscard]] static Node list();
@@ -24,7 +29,8 @@ struct Node {
   void place(const std::string& new_path, const std::string& new_where);  ///< the whole subtree
 };
 
-/// Throws InputError: not YAML, more than one document, a key twice in a map.
+/// Throws InputError: not UTF-8, not YAML, more than one document, a key twice in a map, characters
+/// that cannot be seen, a tree too deep or too large.
 [[nodiscard]] Node parse_yaml(const std::string& file_name, const std::string& text);
 
 /// YAML text that parses to the same tree.

@@ -54,9 +54,39 @@ TEST(Units, RefusesWithAReason) {
 TEST(Units, DoesNotReadASecondNumberAsPartOfTheUnit) {
   EXPECT_THAT(refusal("60 10 kPa", "Pa"), HasSubstr("unknown unit"));
   EXPECT_THAT(refusal("1.5.2 m", "m"), HasSubstr("unknown unit"));
-  EXPECT_THAT(refusal("1,5 m", "m"), HasSubstr("unknown unit"));
   EXPECT_THAT(refusal("5 m 3", "m"), HasSubstr("unknown unit"));
   EXPECT_THAT(refusal("5 s since 2000-01-01", "s"), HasSubstr("unknown unit"));
+}
+
+TEST(Units, CommasInNumbersAreNamed) {
+  EXPECT_EQ(refusal("1,5 m", "m"), "'1,5 m' has a decimal comma; write 1.5 m");
+  EXPECT_EQ(read_plain("-0,49").fault, "has a decimal comma; write -0.49");
+  EXPECT_THAT(refusal("1,000.5 m", "m"), HasSubstr("nothing between thousands"));
+  EXPECT_THAT(refusal("1.000,5 m", "m"), HasSubstr("nothing between thousands"));
+  EXPECT_THAT(refusal(",5 m", "m"), HasSubstr("does not start with a finite number"));
+  EXPECT_THAT(refusal("5, m", "m"), HasSubstr("unknown unit"));
+}
+
+TEST(Units, WhatTypesettersWriteIsRead) {
+  EXPECT_EQ(to_si("\u22123.2 cm", "m"), -0.032);      // minus
+  EXPECT_EQ(to_si("3.2e\u22121\u00A0m", "m"), 0.32);  // and non-breaking space
+  EXPECT_EQ(to_si("\u201332\u202Fmm", "m"), -0.032);  // dash and narrow space
+  EXPECT_EQ(plain_number("\u22120.5"), -0.5);
+  EXPECT_EQ(to_si("7 \u03BCm", "m"), 7e-6);  // Greek letter
+  EXPECT_THAT(refusal("1\u20132 m", "m"), HasSubstr("unknown unit '-2 m'"));
+}
+
+TEST(Units, DegreesHaveTheirShortName) {
+  EXPECT_DOUBLE_EQ(to_si("30 deg", "rad"), 0.52359877559829882);
+  EXPECT_EQ(to_si("30 deg", "rad"), to_si("30 degrees", "rad"));
+  EXPECT_EQ(to_si("30\u00B0", "rad"), to_si("30 degree", "rad"));
+  EXPECT_EQ(refusal("30 deg", "m"), "'30 deg' is not convertible to m");
+}
+
+TEST(Units, NullCharactersDoNotEndTheNumber) {
+  using namespace std::string_literals;
+  EXPECT_EQ(refusal("1\0.7 N"s, "N"), "'1<U+0000>.7 N' has the unknown unit '<U+0000>.7 N'");
+  EXPECT_FALSE(plain_number("1\0"s));
 }
 
 TEST(Units, DoesNotTakeAFrequencyForATime) {

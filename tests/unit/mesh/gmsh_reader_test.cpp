@@ -226,13 +226,43 @@ TEST(GmshReader, NoMesh) {
   EXPECT_THAT([] { read_gmsh("m", "$Nodes\n0\n$EndNodes\n"); }, says("expected $MeshFormat"));
 }
 
+TEST(GmshReader, VersionsOfFormat2) {
+  for (const char* version : {"2", "2.0", "2.1", "2.200000", "2.2000000000000002"}) {
+    expect_equal(read_gmsh("a", replaced(square_22, "2.2 0", std::string(version) + " 0")),
+                 read_gmsh("a", square_22));
+  }
+  // Format 2.0 names groups without their dimension.
+  std::string bare = replaced(square_22, "1 4 \"the cut\"\n2 1", "4 \"the cut\"\n1");
+  expect_equal(read_gmsh("a", bare), read_gmsh("a", square_22));
+}
+
+TEST(GmshReader, AMarkOfByteOrderIsNoWord) {
+  expect_equal(read_gmsh("a", "\uFEFF" + square_22), read_gmsh("a", square_22));
+  EXPECT_THAT([] { read_gmsh("m", "\xFF\xFE$"); },
+              says("m:1: expected a section such as $MeshFormat, "
+                   "found '<0xFF><0xFE>$'"));
+}
+
+TEST(GmshReader, PlusSignsAreFine) {
+  expect_equal(read_gmsh("a", replaced(square_22, "0.5 0.5 0", "+5.0E-01 +.5 +0")),
+               read_gmsh("a", square_22));
+}
+
 TEST(GmshReader, WrongFormat) {
-  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "2.2 0", "4.0 0")); },
-              says("m:2: Gmsh format 4.0; allowed: 2.2 and 4.1"));
-  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "2.2 0", "2.2 1")); },
-              says("m:2: binary Gmsh file; only ASCII"));
+  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "2.2 0", "3 0")); },
+              says("m:2: Gmsh format 3; allowed: 2 and 4.1, ASCII or binary"));
+  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "2.2 0", "4.0 1")); },
+              says("m:2: binary file of Gmsh format 4.0"));
+  EXPECT_THAT([] { read_gmsh("m", "$NOD\n3\n1 0 0 0\n"); }, says("m:1: Gmsh format 1 ($NOD)"));
   EXPECT_THAT([] { read_gmsh("m", replaced(square_41, "$Entities", "$PartitionedEntities")); },
               says("m:11: partitioned mesh"));
+  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "7 2 2 2 2", "7 2 4 2 2 1 1")); },
+              says("m:29: partitioned mesh"));
+  // Old files have a partition of 0 where there is none.
+  expect_equal(read_gmsh("a", replaced(square_22, "7 2 2 2 2", "7 2 3 2 2 0")),
+               read_gmsh("a", square_22));
+  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "$Nodes", "$ParametricNodes")); },
+              says("m:11: parametric nodes"));
 }
 
 TEST(GmshReader, EveryTruncationIsAnError) {
@@ -265,10 +295,11 @@ TEST(GmshReader, ElementTypes) {
   const auto with_type = [](const std::string& type) {
     return [type] { read_gmsh("m", replaced(square_22, "4 2 2 1", "4 " + type + " 2 1")); };
   };
-  EXPECT_THAT(with_type("9"), says("m:26: element type 9 is of second or higher order"));
+  EXPECT_THAT(with_type("9"),
+              says("m:26: a second-order triangle (element type 9); allowed: points"));
   EXPECT_THAT(with_type("9"), says("Use gmsh -order 1"));
-  EXPECT_THAT(with_type("3"), says("element type 3 is no simplex"));
-  EXPECT_THAT(with_type("77"), says("element type 77 is unknown; allowed: 1 (line)"));
+  EXPECT_THAT(with_type("3"), says("a quadrangle (element type 3); allowed"));
+  EXPECT_THAT(with_type("77"), says("an element (element type 77); allowed"));
 }
 
 TEST(GmshReader, RegionsNeedNames) {
@@ -279,19 +310,56 @@ TEST(GmshReader, RegionsNeedNames) {
       says("unnamed region: triangle 6 of surface 2"));
   EXPECT_THAT(
       [] { read_gmsh("m", replaced(square_41, "2 0 0 0 1 1 0 1 2 3", "2 0 0 0 1 1 0 2 2 1 3")); },
-      says("triangle 6 of surface 2 has two physical groups; allowed: one region a cell"));
-  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "2 2 \"high\"", "2 8 \"high\"")); },
-              says("m:28: physical surface 2 has no name"));
-  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "1 4 \"the cut\"", "1 8 \"the cut\"")); },
-              says("physical curve 4 has no name"));
+      says("triangle 6 of surface 2 has two physical groups, 'high' and 'low'; allowed: one"));
+  EXPECT_THAT(
+      [] { read_gmsh("m", replaced(square_22, "4 2 2 1 1", "4 2 0")); },
+      ThrowsMessage<InputError>("m:26: unnamed region: triangle 4 has no physical surface"));
+}
+
+TEST(GmshReader, GroupsWithoutNamesAreCalledByNumber) {
+  MeshData mesh = read_gmsh("m", replaced(square_22, "2 2 \"high\"", "2 8 \"high\""));
+  EXPECT_THAT(mesh.region_names, ElementsAre("low", "2"));
+  mesh = read_gmsh("m", replaced(square_22, "1 3 \"bottom\"", "1 3 \"\""));
+  EXPECT_THAT(mesh.curve_names, ElementsAre("the cut", "3"));
+  EXPECT_THAT(mesh.facet_curve, ElementsAre(1, 0, 0));
+  EXPECT_THAT(
+      [] {
+        read_gmsh(
+            "m", replaced(replaced(square_22, "2 2 \"high\"", "2 8 \"high\""), "\"low\"", "\"2\""));
+      },
+      says("physical surface 2 has no name, and another one is named '2'"));
+}
+
+TEST(GmshReader, OneNameMayStandForSeveralGroups) {
+  const MeshData mesh = read_gmsh("m", replaced(square_22, "\"high\"", "\"low\""));
+  EXPECT_THAT(mesh.region_names, ElementsAre("low"));
+  // Also for two groups of one curve.
+  const MeshData both = read_gmsh("m", replaced(replaced(square_41, "\"the cut\"", "\"bottom\""),
+                                                "0 1 -4 2 1", "0 2 -4 3 2 1"));
+  EXPECT_THAT(both.curve_names, ElementsAre("bottom"));
+  EXPECT_EQ(both.n_facets(), 3);
+}
+
+TEST(GmshReader, ManyGroupsOfOneCurveAreRefused) {
+  // 1000 groups times 1000 lines would be stored a million times.
+  std::string groups = "1000";
+  for (int i = 1; i <= 1000; ++i) groups += " " + std::to_string(i);
+  EXPECT_THAT([&] { read_gmsh("m", replaced(square_41, "0 1 -4 2 1", "0 " + groups + " 2 1")); },
+              says("line 2 of curve 5 is in 1000 physical groups; allowed: 64"));
 }
 
 TEST(GmshReader, GeometryErrors) {
   EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "5 0.5 0.5 0", "5 0.5 0.5 0.1")); },
               says("m:18: z = 0.1"));
   EXPECT_NO_THROW(read_gmsh("m", replaced(square_22, "9 7 7 0", "9 7 7 3")));  // not used
-  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "2 3 1 1 2", "2 3 1 1 9")); },
-              says("m:15: this node is on a named curve but on no cell"));
+  EXPECT_THAT([] { read_gmsh("m", replaced(square_22, "5 0.5 0.5 0", "5 0.5 nan 0")); },
+              says("m:18: expected a coordinate, found a number not finite"));
+  const Mesh stray(read_gmsh("m", replaced(square_22, "2 3 1 1 2", "2 3 1 1 9")));
+  EXPECT_EQ(stray.facets_of("the cut").size(), 2U);
+  EXPECT_THAT([&] { (void)stray.facets_of("bottom"); },
+              says("m:23: line 1 of 'bottom' has a node that is on no cell"));
+  EXPECT_THAT([] { read_gmsh("m", tetrahedra, 1, 2); },
+              says("m:22: tetrahedron 4 of volume 1; allowed: a plane mesh"));
   EXPECT_THAT(
       [] {
         read_gmsh(

@@ -26,6 +26,12 @@ TEST(FindNumber, FollowsDots) {
 
 class Summary : public testing::FolderTest {};
 
+TEST(FindNumber, NamesWithDotsStandInQuotes) {
+  const nlohmann::ordered_json summary = {{"probes", {{"a.b", {1.5, 2.5}}}}};
+  EXPECT_EQ(find_number(summary, R"(probes."a.b".1)"), 2.5);
+  EXPECT_FALSE(find_number(summary, "probes.a.b.1"));
+}
+
 TEST_F(Summary, KeepsOrderAndReadsBack) {
   const Json summary = {{"z", 1.0 / 3}, {"a", std::nan("")}, {"name", "\xff"}};
   write_summary(MPI_COMM_WORLD, path("summary.json"), summary);

@@ -72,8 +72,9 @@ TEST(Loader, NumbersNeedTheRightUnit) {
               HasSubstr("value '0' needs a unit, such as N; allowed: a number with a unit"));
   EXPECT_THAT(message_of(changed(needle_scene, "60 kPa", "60 mm")),
               HasSubstr("value '60 mm' is not convertible to Pa"));
-  EXPECT_THAT(message_of(changed(needle_scene, "0.49", "0.49 m")),
-              HasSubstr("value '0.49 m'; allowed: a number without a unit"));
+  EXPECT_THAT(
+      message_of(changed(needle_scene, "0.49", "0.49 m")),
+      HasSubstr("value '0.49 m' has 'm' behind its number; allowed: a number without a unit"));
   EXPECT_THAT(message_of(changed(needle_scene, "[3.5 cm, 3.2 cm]", "[3.5 cm]")),
               HasSubstr("key 'targets.seed': value '[3.5 cm]'; allowed: [x, y], each a number"));
   EXPECT_THAT(message_of(changed(needle_scene, "[3.5 cm, 3.2 cm]", "[3.5 cm, 3]")),

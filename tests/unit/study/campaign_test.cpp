@@ -120,5 +120,54 @@ TEST(Campaign, Refusals) {
       HasSubstr("followed by an implant"));
 }
 
+TEST(Campaign, HugeOnesAreRefusedBeforeTheyArePlanned) {
+  const std::string range = "vary: {x: {key: time.step, from: 1 ms, to: 2 ms}}\n";
+  for (const char* design : {"random", "latin_hypercube", "morris", "sobol"}) {
+    EXPECT_THAT(refusal(range + "samples: 1000000000\ndesign: " + design + "\n"),
+                HasSubstr("c.yaml:4:10: key 'samples': value '1000000000' makes "));
+  }
+  EXPECT_THAT(refusal("design: grid\nvary:\n"
+                      "  x: {key: time.step, from: 1 ms, to: 2 ms, count: 1000}\n"
+                      "  y: {key: needles.0.height, from: 1 cm, to: 2 cm, count: 1000}\n"),
+              HasSubstr("c.yaml:4:1: key 'vary'"));
+  EXPECT_THAT(refusal("vary: {x: {key: time.step, from: 1 ms, to: 2 ms, count: 2000000000}}\n"),
+              HasSubstr("allowed: at most 100000 in all"));
+  EXPECT_THAT(
+      refusal("vary: {x: {key: time.step, values: [1 ms]}}\n"
+              "average: {w: {offset_of: [needles.0.height], width: 1 mm, count: 500000}}\n"),
+      HasSubstr("makes 1e+06 points"));
+}
+
+TEST(Campaign, NamesWithDotsStandInQuotes) {
+  const Node dotted =
+      parse_yaml("s.yaml", R"(tissue: {regions: {lobe.left: {youngs_modulus: 60 kPa}}})");
+  const auto campaign = load_campaign("c.yaml", R"(
+scene: s.yaml
+outputs: ['probes."a.b".0']
+vary:
+  "my.modulus": {key: '"tissue".regions."lobe.left".youngs_modulus', values: [50 kPa]}
+  factor: {factor_of: {tissue.regions."lobe.left".youngs_modulus: 1}, values: [2]}
+)",
+                                      {});
+  const auto plan = plan_runs(campaign, dotted);
+  EXPECT_THAT(plan.runs[0].overrides,
+              ElementsAre(R"(tissue.regions."lobe.left".youngs_modulus=60 kPa)"));
+  EXPECT_THAT(plan.runs[2].overrides,
+              ElementsAre(R"(tissue.regions."lobe.left".youngs_modulus=120 kPa)"));
+  EXPECT_THAT(campaign.outputs, ElementsAre(R"(probes."a.b".0)"));
+  EXPECT_THAT(refusal(R"(vary: {x: {key: 'tissue."regions', values: [1]}})"),
+              HasSubstr("a quote that is not closed"));
+}
+
+TEST(Campaign, ManySeedsOnTheWayAreOneRun) {
+  const auto plan = planned(R"(
+design: grid
+vary:
+  depth: {key: needles.0.motion.0.position, from: 3.5 cm, to: 1 cm, count: 5000, on_the_way: true}
+)");
+  ASSERT_EQ(plan.runs.size(), 1U);
+  EXPECT_EQ(plan.runs[0].points.size(), 5000U);
+}
+
 }  // namespace
 }  // namespace stylet
