@@ -1,6 +1,7 @@
 #include "stylet/mesh/validate.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/mesh/overlap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -129,28 +130,13 @@ double Validator::longest_edge(int cell) const {
 void Validator::orient() {
   // Rounding alone leaves about 1e-16; a cell this flat has no usable gradient in double precision.
   constexpr double flat = 1e-12;
-  const std::size_t n_regions = mesh_.region_names.size();
-  std::vector<int> n_right(n_regions, 0);
-  std::vector<int> n_left(n_regions, 0);
-  std::vector<bool> is_left(mesh_.n_cells());
   for (int c = 0; c < mesh_.n_cells(); ++c) {
     const double size = measure(c);
     if (!(std::abs(size) > flat * std::pow(longest_edge(c), mesh_.dim))) {
       fail(describe(c) + " is degenerate: its " + (mesh_.dim == 2 ? "area" : "volume") +
            " is zero");
     }
-    is_left[c] = size < 0;
-    ++(size < 0 ? n_left : n_right)[mesh_.cell_region[c]];
-  }
-  for (int c = 0; c < mesh_.n_cells(); ++c) {
-    const int region = mesh_.cell_region[c];
-    if (n_right[region] > 0 && n_left[region] > 0) {
-      const bool minority_is_left = n_left[region] <= n_right[region];
-      if (is_left[c] != minority_is_left) continue;
-      fail(describe(c) + " is inverted: the other cells of region '" + mesh_.region_names[region] +
-           "' have the opposite orientation");
-    }
-    if (is_left[c]) std::swap(mesh_.cells[n_corners_ * c + 1], mesh_.cells[n_corners_ * c + 2]);
+    if (size < 0) std::swap(mesh_.cells[n_corners_ * c + 1], mesh_.cells[n_corners_ * c + 2]);
   }
 }
 
@@ -250,6 +236,7 @@ void validate(MeshData& mesh) {
   validator.check_nodes();
   validator.orient();
   validator.check_sides();
+  if (mesh.dim == 2) check_overlaps(mesh);
 }
 
 }  // namespace stylet

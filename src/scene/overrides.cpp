@@ -118,6 +118,12 @@ void set(Node& node, const Key& key, Parts parts, const Override& given) {
     std::erase_if(node.children, [&name](const Node& old) { return old.key == name; });
     return;
   }
+  if (given.value.kind == Node::Kind::null && node.find(name) == nullptr) {
+    Node absent;  // nothing to take away: looks at the rest of the path only
+    absent.place(below(node, name), given.where);
+    set(absent, *child, parts.subspan(1), given);
+    return;
+  }
   set(member(node, name, given), *child, parts.subspan(1), given);
 }
 

@@ -105,6 +105,10 @@ class Needle {
   [[nodiscard]] const Track& track() const { return track_; }
   [[nodiscard]] NeedlePhase phase() const { return phase_; }
   [[nodiscard]] TipContact tip_contact() const { return tip_; }
+  /// Tip force (N) at which the tip cuts on.
+  [[nodiscard]] double force_to_cut(const Mesh& mesh) const {
+    return membrane_edge_ ? tissue_.puncture_force : threshold(mesh);
+  }
   [[nodiscard]] bool at_membrane() const { return membrane_edge_.has_value(); }
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
   /// Where the tip stands in the reference mesh: the end of the path, or the point of the path that
