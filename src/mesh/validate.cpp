@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/mesh/overlap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -277,6 +278,7 @@ void validate(MeshData& mesh) {
   validator.check_nodes();
   validator.orient();
   validator.check_sides();
+  if (mesh.dim == 2) check_overlaps(mesh);
   mesh.origin = {};
 }
 

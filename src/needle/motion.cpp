@@ -1,5 +1,7 @@
 #include "stylet/needle/motion.hpp"
 
+#include "stylet/needle/stops.hpp"
+
 #include <cmath>
 
 namespace stylet {
@@ -16,6 +18,11 @@ std::optional<double> Motion::target() const {
   if (a.position) return along_sign_ * *a.position;
   if (a.depth) return skin_ + *a.depth;
   return std::nullopt;  // all the way out
+}
+
+bool Motion::is_no_motion() const {
+  const auto end = target();
+  return end && stylet::is_no_motion(tip_, *end);
 }
 
 NeedleStep Motion::next(double longest) {

@@ -110,12 +110,8 @@ bool Needle::presses_on_skin(const Mesh& mesh) const {
   return path_length(mesh) < parameters_.cutting.tip_length;
 }
 
-// Zero where the way is cut already. A tip that is not in with all of its length cuts with that part
-// of its force: at the skin the needle begins to cut at once, and how deep it is has a limit on finer
-// meshes, at every depth. (A full force on the first bit of path is a point force: the dent that it
-// makes grows with the logarithm of the element size, and the tip jumps when the skin gives way.)
-double Needle::threshold(const Mesh& mesh) const {
-  if (free_) return 0;
+// Of a tip that is in with all of its length (N).
+double Needle::whole_threshold(const Mesh& mesh) const {
   const auto& cutting = parameters_.cutting;
   double share = 1;
   if (cutting.stiffness_share > 0) {
@@ -133,8 +129,18 @@ double Needle::threshold(const Mesh& mesh) const {
     const double e = tissue_.region_modulus[static_cast<std::size_t>(mesh.region(ahead))];
     share += cutting.stiffness_share * (e / cutting.reference_youngs_modulus - 1);
   }
-  if (presses_on_skin(mesh)) share *= path_length(mesh) / cutting.tip_length;
   return cutting.cutting_force / cutting.sharpness * share;
+}
+
+// Zero where the way is cut already. A tip that is not in with all of its length cuts with that part
+// of its force: at the skin the needle begins to cut at once, and how deep it is has a limit on finer
+// meshes, at every depth. (A full force on the first bit of path is a point force: the dent that it
+// makes grows with the logarithm of the element size, and the tip jumps when the skin gives way.)
+double Needle::threshold(const Mesh& mesh) const {
+  if (free_) return 0;
+  const double tip_length = parameters_.cutting.tip_length;
+  const double share = presses_on_skin(mesh) ? path_length(mesh) / tip_length : 1;
+  return share * whole_threshold(mesh);
 }
 
 // The tip's load is uniform over its length: what is in the tissue loads the path, what is not in yet

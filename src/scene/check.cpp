@@ -1,6 +1,8 @@
 #include "stylet/scene/check.hpp"
 
+#include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/scene/quantities.hpp"
 #include "stylet/scene/schema.hpp"
 #include "stylet/scene/writer.hpp"
 
@@ -23,6 +25,15 @@ std::vector<std::string> names_of(const std::vector<T>& items, std::string T::*n
   return names;
 }
 
+/// True if a retract without an end is the last that the needle does but for waiting.
+bool ends_outside(const std::vector<Action>& motion) {
+  for (auto action = motion.rbegin(); action != motion.rend(); ++action) {
+    if (action->kind == ActionKind::retract) return !action->depth && !action->position;
+    if (action->kind == ActionKind::insert) break;
+  }
+  return false;
+}
+
 class Rules {
  public:
   Rules(const Scene& scene, const Node& document) : scene_(scene), document_(document) {}
@@ -37,6 +48,7 @@ class Rules {
       check_friction(scene_.needles[i].friction, item("needles", i) + ".friction");
       check_motion(scene_.needles[i].motion, item("needles", i) + ".motion");
     }
+    check_needles_leave();
     check_names();
     check_time();
     check_expect();
@@ -90,13 +102,34 @@ class Rules {
   }
 
   void check_loads() const {
+    require_one_a_curve(scene_.tractions, "loads.traction");
+    require_one_a_curve(scene_.prescribed, "prescribed");
     for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
+      const auto& curve = scene_.prescribed[i].curve;
+      const auto support = std::ranges::find(scene_.supports, curve, &Support::curve);
+      require(support == scene_.supports.end() || support->kind != SupportKind::fixed,
+              item("prescribed", i) + ".curve",
+              "a curve that is not held; supports." + curve + " is fixed");
       const auto& displacement = scene_.prescribed[i].displacement;
       require(displacement[0] || displacement[1], item("prescribed", i) + ".displacement",
               "at least one component that is not null");
       require(scene_.needle_angle == std::numbers::pi || (displacement[0] && displacement[1]),
               item("prescribed", i) + ".displacement",
               "both components, because needle_angle turns them");
+    }
+  }
+
+  // Whether a second one adds to the first or takes its place, the scene would not say.
+  template <class T>
+  void require_one_a_curve(const std::vector<T>& items, const std::string& list) const {
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const auto first = std::ranges::find(items, items[i].curve, &T::curve) - items.begin();
+      require(static_cast<std::size_t>(first) == i, item(list, i) + ".curve",
+              "one entry a curve, and " + item(list, static_cast<std::size_t>(first)) +
+                  " is of this one");
+      require(scene_.time.duration == 0 || items[i].start <= scene_.time.duration,
+              item(list, i) + ".start",
+              "at most time.duration, which is " + exact(scene_.time.duration) + " s");
     }
   }
 
@@ -155,6 +188,16 @@ class Rules {
     }
   }
 
+  // The next needle would take the place of one that is still in, which would vanish.
+  void check_needles_leave() const {
+    for (std::size_t i = 0; i + 1 < scene_.needles.size(); ++i) {
+      const auto& motion = scene_.needles[i].motion;
+      require(ends_outside(motion), item("needles", i) + ".motion",
+              "a retract all the way out at the end, because " + scene_.needles[i + 1].name +
+                  " enters next");
+    }
+  }
+
   void require_unique(const std::vector<std::string>& names,
                       const std::string& list,
                       bool is_list) const {
@@ -203,12 +246,20 @@ class Rules {
       }
     }
     require(any_implant, "time.until", "settled, because no needle implants");
+    const std::string why = why_not_at_rest(scene_);
+    require(why.empty(), "time.until", "settled, because " + why);
   }
 
   void check_expect() const {
+    if (scene_.expect.empty()) return;
+    const auto quantities = names_of(summary_quantities(scene_), &SummaryQuantity::path);
     for (std::size_t i = 0; i < scene_.expect.size(); ++i) {
       const Expectation& expect = scene_.expect[i];
       const std::string path = item("expect", i);
+      require(std::ranges::find(quantities, expect.quantity) != quantities.end(),
+              path + ".quantity",
+              "a number that a run of this scene has, such as '" +
+                  nearest(expect.quantity, quantities) + "'; all: " + join(quantities));
       const Expectation open;
       require(expect.min != open.min || expect.max != open.max, path, "a min or a max, or both");
       require(expect.min <= expect.max, path + ".max", ">= min, which is " + exact(expect.min));
@@ -223,6 +274,29 @@ class Rules {
 
 void check_rules(const Scene& scene, const Node& document) {
   Rules(scene, document).check();
+}
+
+std::string why_not_at_rest(const Scene& scene) {
+  const auto acts = [](const auto& load) { return load.force != Vector2{}; };
+  if (std::ranges::any_of(scene.body_forces, acts)) return "loads.body lasts";
+  if (std::ranges::any_of(scene.tractions, acts)) return "loads.traction lasts";
+  for (const PrescribedCurve& prescribed : scene.prescribed) {
+    if (prescribed.displacement[0].value_or(0) != 0 || prescribed.displacement[1].value_or(0) != 0)
+      return "the displacement of '" + prescribed.curve + "' lasts";
+  }
+  if (scene.needles.empty()) return {};
+  const NeedleParameters& last = scene.needles.back();
+  if (!ends_outside(last.motion)) return last.name + " is not all the way out at the end";
+  const Action& end = last.motion.back();
+  if (end.kind != ActionKind::settle || end.duration) {
+    return last.name + " does not end with a settle without duration, so the tissue may still move";
+  }
+  return {};
+}
+
+void refuse_key(const Scene& scene, const std::string& path, const std::string& message) {
+  const std::string& where = closest(scene.document, path).where;
+  throw InputError((where.empty() ? scene.file : where) + ": key '" + path + "': " + message);
 }
 
 void check(const Scene& scene) {

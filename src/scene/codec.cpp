@@ -85,20 +85,15 @@ Codec<double> plain(const Range& range) {
   return number({}, range);
 }
 
-Codec<double> number_in_any_unit() {
-  const Key key{.type = "number", .allowed = "in SI or with any unit"};
-  const auto read = [key](const Node& node, double& value) {
-    if (node.kind != Node::Kind::scalar) refuse(node, "a number " + key.allowed);
-    Reading reading = read_plain(node.text);
-    for (const char* unit : {"m", "N", "s", "m/s", "Pa", "J", "N/m", "1/s"}) {
-      if (reading.fault.empty()) break;
-      reading = read_quantity(node.text, unit);
-    }
-    value = reading.value;
-    if (reading.fault.empty()) return;
-    refuse(node, "a number, plain or in units of m, N, s, m/s, Pa, J, N/m or 1/s");
+Codec<double> number_in_unit_or_plain(const std::string& si_unit) {
+  const Codec<double> in_unit = number(si_unit, anything);
+  const Key key{.type = "number", .allowed = "in SI, or with a unit of the quantity"};
+  const auto read = [in_unit](const Node& node, double& value) {
+    const auto plain = node.kind == Node::Kind::scalar ? plain_number(node.text) : std::nullopt;
+    if (!plain) return in_unit.read(node, value);
+    value = *plain;
   };
-  return {key, read, [](const double& value) { return Node::scalar(exact(value)); }};
+  return {key, read, in_unit.write};
 }
 
 Codec<int> integer(int min) {

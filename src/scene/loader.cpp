@@ -19,9 +19,8 @@ void resolve(Scene& scene, const Node& document) {
   const bool is_explicit = scene.time.method == TimeMethod::explicit_newmark;
   if (is_explicit && !is_given(document, "tissue.mass")) scene.tissue.mass = MassKind::lumped;
   if (scene.tissue.plane == Plane::strain && !is_given(document, "tissue.formulation")) {
-    constexpr double locks = 0.45;
     const bool averaged = std::ranges::any_of(scene.tissue.regions, [](const RegionTissue& region) {
-      return region.material.poisson_ratio > locks;
+      return locks_in_plane_strain(region.material);
     });
     if (averaged) scene.tissue.formulation = Formulation::p1_averaged;
   }
@@ -53,6 +52,7 @@ Scene load_scene(const std::string& file_name,
   scene_codec().read(document, scene);
   resolve(scene, document);
   check_rules(scene, document);
+  scene.document = std::move(document);
   return scene;
 }
 

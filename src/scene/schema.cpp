@@ -1,6 +1,7 @@
 #include "stylet/scene/schema.hpp"
 
 #include "stylet/scene/block.hpp"
+#include "stylet/scene/quantities.hpp"
 #include "stylet/scene/schema_needle.hpp"
 
 namespace stylet {
@@ -167,17 +168,30 @@ Codec<OutputParameters> output() {
                          "Time between whole fields in snapshots.h5; without it there are none.")});
 }
 
+// A bound has the unit of its quantity; of a path that no summary has, check_rules will say so.
+Field<Expectation> bound(const std::string& name,
+                         double Expectation::*member,
+                         const std::string& doc) {
+  const auto codec_of = [](const Expectation& of) {
+    return number_in_unit_or_plain(unit_of_quantity(of.quantity).value_or(""));
+  };
+  return {described(number_in_unit_or_plain("").key, name, doc),
+          [=](const Node& node, Expectation& value) {
+            if (unit_of_quantity(value.quantity)) codec_of(value).read(node, value.*member);
+          },
+          [=](const Expectation& value) -> std::optional<Node> {
+            if (value.*member == Expectation{}.*member) return std::nullopt;
+            return codec_of(value).write(value.*member);
+          }};
+}
+
 Codec<Expectation> expectation() {
   using E = Expectation;
   return block<E>(
       {field("quantity", &E::quantity, path("a path in summary.json"), "A number of summary.json.")
            .required(),
-       field("min", &E::min, number_in_any_unit(), "Smallest value that passes.")
-           .otherwise("none")
-           .written_if([](const E& given) { return given.min != E{}.min; }),
-       field("max", &E::max, number_in_any_unit(), "Largest value that passes.")
-           .otherwise("none")
-           .written_if([](const E& given) { return given.max != E{}.max; })});
+       bound("min", &E::min, "Smallest value that passes.").otherwise("none"),
+       bound("max", &E::max, "Largest value that passes.").otherwise("none")});
 }
 
 Codec<SupportKind> support() {

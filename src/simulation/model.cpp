@@ -10,6 +10,7 @@
 #include "stylet/mesh/refine.hpp"
 #include "stylet/mesh/validate.hpp"
 #include "stylet/needle/advance.hpp"
+#include "stylet/needle/stops.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -75,25 +76,6 @@ void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
   }
 }
 
-void check_inserts(const Mesh& mesh, const NeedleParameters& needle, const Entry& entry) {
-  const double skin = Axis::along(entry.x);
-  double deepest = skin;
-  for (int node = 0; node < mesh.n_nodes(); ++node) {
-    deepest = std::max(deepest, Axis::along(mesh.point(node)));
-  }
-  for (std::size_t i = 0; i < needle.motion.size(); ++i) {
-    const Action& action = needle.motion[i];
-    if (action.kind != ActionKind::insert) continue;
-    const double end =
-        action.position ? Axis::along_sign * *action.position : skin + action.depth.value_or(0);
-    if (end < deepest) continue;
-    throw InputError("needle '" + needle.name + "', motion." + std::to_string(i) +
-                     ".insert: ends " + std::to_string(end - skin) +
-                     " m behind the entry point; the tissue ends at " +
-                     std::to_string(deepest - skin) + " m");
-  }
-}
-
 }  // namespace
 
 Scene in_needle_frame(Scene scene) {
@@ -150,9 +132,7 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
     check_inside(scene, mesh, "probes", probe.name, probe.point);
   }
   for (const auto& needle : scene.needles) {
-    check_name(scene, "needles", [&] {
-      check_inserts(mesh, needle, find_entry(mesh, {needle.height}, needle.name));
-    });
+    check_name(scene, "needles", [&] { (void)find_entry(mesh, {needle.height}, needle.name); });
   }
 }
 
@@ -162,15 +142,15 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
   constexpr int fewest = 4;
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
-    double tip = skin;
+    const auto travels = travels_of(needle.motion, Axis::along_sign);
     double inserting = 0;  // s
-    for (const auto& action : needle.motion) {
-      double end = action.kind == ActionKind::retract ? skin : tip;
-      if (action.depth) end = skin + *action.depth;
-      if (action.position) end = Axis::along_sign * *action.position;
-      if (action.kind == ActionKind::insert) inserting += std::abs(end - tip) / action.speed;
-      tip = end;
+    for (std::size_t i = 0; i < travels.size(); ++i) {
+      const Action& action = needle.motion[i];
+      if (action.kind != ActionKind::insert) continue;
+      inserting +=
+          std::abs(along_of(travels[i].to, skin) - along_of(travels[i].from, skin)) / action.speed;
     }
+    if (inserting == 0) continue;
     const double longest = inserting / fewest;
     if (step <= longest * (1 + 1e-9)) continue;
     throw InputError(scene.file + ": key 'time.step': steps of " + exact(step) +

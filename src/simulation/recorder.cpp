@@ -5,6 +5,7 @@
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/notes.hpp"
 
 #include <petscversion.h>
 
@@ -313,7 +314,8 @@ ordered_json summarise(MPI_Comm comm,
       if (target.name != seed.target) continue;
       entry["target"] = target.name;
       entry["target_point"] = plain(turn, std::vector{target.point})[0];
-      entry["placement_error"] = errors[i];
+      // Before the end the seed is not where it will be.
+      if (status == "completed") entry["placement_error"] = errors[i];
     }
     summary["seeds"].push_back(entry);
   }
@@ -326,6 +328,13 @@ ordered_json summarise(MPI_Comm comm,
     summary["pattern_rebuilds"] = counts.pattern_rebuilds;
     summary["deformed_inversions"] = counts.deformed_inversions;
   }
+  const auto add_strain = [&](const char* name, const StrainPeak& peak) {
+    summary[name] = {{"value", peak.value},
+                     {"time", peak.time},
+                     {"place", plain(turn, std::vector{peak.place})[0]}};
+  };
+  add_strain("largest_strain", simulation.largest_strain().anywhere);
+  if (!scene.needles.empty()) add_strain("largest_strain_away", simulation.largest_strain().away);
   summary["worst_quality"] = counts.worst_quality;
   summary["steps"] = counts.steps;
   summary["sub_steps"] = counts.sub_steps;
@@ -347,6 +356,7 @@ ordered_json summarise(MPI_Comm comm,
   summary["energy"] = {{"kinetic", e.kinetic},       {"strain", e.strain},
                        {"dissipated", e.dissipated}, {"external", e.external},
                        {"edits", e.edits},           {"balance_error", e.balance_error()}};
+  summary["notes"] = notes_of(simulation);
   summary["n_nodes"] = simulation.mesh().n_nodes();
   summary["n_triangles"] = simulation.mesh().n_cells();
   summary["n_ranks"] = size_of(comm);

@@ -116,18 +116,8 @@ void print(const Scene& scene, const RunOutcome& outcome) {
         "note: numerical error unknown: no convergence study of this scene at this mesh and step "
         "(stylet converge --store)\n");
   }
-  for (const auto& needle : scene.needles) {
-    if (needle.cutting.tip_length == 0) {
-      std::printf(
-          "note: needle '%s' has a point tip (tip_length 0): its answer depends on the mesh\n",
-          needle.name.c_str());
-    }
-  }
-  if (summary.contains("deformed_inversions") && summary["deformed_inversions"].get<int>() > 0) {
-    std::printf(
-        "note: up to %d deformed elements at the tip were inverted (small-strain theory at "
-        "its limit); a longer tip_length avoids it\n",
-        summary["deformed_inversions"].get<int>());
+  for (const auto& note : summary["notes"]) {
+    std::printf("note: %s\n", note.get<std::string>().c_str());
   }
   if (summary.contains("expectations")) {
     for (const auto& e : summary["expectations"]) {

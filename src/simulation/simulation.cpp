@@ -7,8 +7,11 @@
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/needle/stops.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
+#include "stylet/simulation/needle_path.hpp"
+#include "stylet/simulation/point_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,21 +27,17 @@ constexpr int most_passes = 500;
 // ends.
 constexpr double wanted_quality = 0.2;
 constexpr double quality_floor = 0.02;
-constexpr long most_settling_steps = 1000000;
 
 double estimated_time(const Scene& scene, const Mesh& mesh) {
   double total = scene.needles.empty() ? scene.time.duration : 0;
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
-    double tip = skin;
-    for (const auto& a : needle.motion) {
+    const auto travels = travels_of(needle.motion, Axis::along_sign);
+    for (std::size_t i = 0; i < travels.size(); ++i) {
+      const Action& a = needle.motion[i];
       if (a.duration) total += *a.duration;
-      if (a.kind != ActionKind::insert && a.kind != ActionKind::retract) continue;
-      double end = skin;
-      if (a.depth) end = skin + *a.depth;
-      if (a.position) end = Axis::along_sign * *a.position;
-      total += std::abs(end - tip) / a.speed;
-      tip = end;
+      if (a.speed <= 0) continue;
+      total += std::abs(along_of(travels[i].to, skin) - along_of(travels[i].from, skin)) / a.speed;
     }
   }
   return total;
@@ -85,7 +84,10 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     }
   }
   base_ = conditions_.prescribed(0);
-  if (scene_.time.method == TimeMethod::quasi_static) check_held(scene_, mesh(), base_);
+  if (scene_.time.method == TimeMethod::quasi_static || !scene_.needles.empty()) {
+    check_held(scene_, mesh(), base_);
+  }
+  check_needles(scene_, mesh(), conditions_);
   check_step(scene_, mesh(), std::min(scene_.time.step, integrator_->stable_step()));
   for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) {
     *vec = tissue_->make_vector();
@@ -114,6 +116,13 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
   std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
   std::iota(all.begin(), all.end(), 0);
   counts_.worst_quality = mesh().worst_quality(all);
+  double first = Axis::along(mesh().point(0));
+  double last = first;
+  for (int node = 0; node < mesh().n_nodes(); ++node) {
+    first = std::min(first, Axis::along(mesh().point(node)));
+    last = std::max(last, Axis::along(mesh().point(node)));
+  }
+  extent_ = last - first;
   estimated_time_ = estimated_time(scene_, mesh());
 }
 
@@ -163,6 +172,9 @@ StepRecord Simulation::step_unguarded() {
     if (motion().finished()) break;
   }
   act_without_time();
+  if (done_ || needle != this->needle() || motion().index() != action || state_.t >= next_strain_) {
+    watch_strain();
+  }
   if (track_energy_ || done_) ledger_.weigh(*tissue_, state_);
   record.t = state_.t;
   if (record.sub_steps > 0) ++counts_.steps;
@@ -172,6 +184,17 @@ StepRecord Simulation::step_unguarded() {
   counts_.peak_needle_force =
       std::max(counts_.peak_needle_force, std::abs(record.needle.forces.total()));
   return record;
+}
+
+// At evenly spaced moments and at the end of every action: a look at all triangles costs about as much
+// as a whole step.
+void Simulation::watch_strain() {
+  constexpr double moments = 64;
+  next_strain_ = state_.t + estimated_time_ / moments;
+  const auto u = gather_all(state().u.get());
+  const bool is_in = needle_ && !needle_->track().empty();
+  raise(largest_strain_, mesh(), u, state_.t, is_in ? &needle_->track() : nullptr,
+        is_in ? needle_->parameters().cutting.tip_length : 0);
 }
 
 // Enters needles, implants seeds, and ends the run.
@@ -189,6 +212,10 @@ void Simulation::act_without_time() {
       enter_next_needle();
     }
     if (needle_->motion().finished()) continue;
+    if (needle_->motion().is_no_motion()) {
+      needle_->motion().finish_action();
+      continue;
+    }
     if (needle_->motion().action().kind != ActionKind::implant) return;
     implant();
   }
@@ -217,9 +244,42 @@ void Simulation::enter_next_needle() {
   std::vector<int> nodes{entry.node, entry.neighbour};
   std::ranges::sort(nodes);
   apply(needle_->enter(mesh(), entry, start_view(nodes)), true);
+  largest_tip_force_ = 0;
+  // The skin may have moved since the scene was checked.
+  const double skin = needle_->motion().skin();
+  if (const auto fault = find_fault(parameters.motion, Axis::along_sign, skin, true)) {
+    throw NumericalError(
+        "needle '" + parameters.name + "', motion." + std::to_string(fault->action) + ": " +
+        fault->reason + "; its entry point has moved by " +
+        brief(1e3 * (skin - Axis::along(entry.x))) + " mm along the needle before it enters");
+  }
+}
+
+// A seed is where a needle left it that had cut its way there.
+void Simulation::require_cut_in() const {
+  const auto& needle = *needle_;
+  const double path = needle.track().distances(mesh()).front();
+  const double depth = needle.motion().tip() - needle.motion().skin();
+  const std::string who = "needle '" + needle.parameters().name + "' ";
+  if (needle.released()) {
+    throw NumericalError(who + "implants a seed, but its tip is not in the tissue: it stands " +
+                         brief(-1e3 * depth) + " mm in front of the skin's place at entry");
+  }
+  // Part of the tip is in a shallow wound by right, but not in one that is a mere dent in the skin.
+  constexpr double dent = 0.2;
+  const double needed = needle.force_to_cut(mesh());
+  const bool is_in = path >= needle.parameters().cutting.tip_length || path >= dent * depth;
+  if (needle.track().size() > 1 && is_in) return;
+  throw NumericalError(who + "implants a seed, but has not cut its way in: its tip force reached " +
+                       brief(largest_tip_force_) + " N of the " + brief(needed) +
+                       " N that are needed, and its tip is " + brief(1e3 * path) +
+                       " mm in the tissue after " + brief(1e3 * depth) +
+                       " mm of insertion; a smaller cutting_force or puncture_force, or a deeper "
+                       "insert");
 }
 
 void Simulation::implant() {
+  require_cut_in();
   Motion& motion = needle_->motion();
   Seed seed;
   seed.needle = needle_->parameters().name;
@@ -309,6 +369,7 @@ double Simulation::sub_step(double longest, StepRecord& record) {
                             {trial.lambda, trial.working_multiplier()}, ledger_.end_weight());
   }
   accept(trial, step.h, report);
+  largest_tip_force_ = std::max(largest_tip_force_, report.forces.tip);
   if (active != nullptr) {
     count_deformed_inversions();
     counts_.needle = earlier_needles_;
@@ -323,22 +384,29 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     counts_.stable_step = std::min(counts_.stable_step, integrator_->stable_step());
   }
   const bool same_action = !motion().finished() && motion().index() == action;
-  if (ends_withdrawn && same_action && needle_->released()) motion().finish_action();
-  if (ends_settled && same_action) {
-    if (settled()) motion().finish_action();
-    if (++settling_steps_ > most_settling_steps) {
-      throw NumericalError(
-          "the tissue does not come to rest; give settle a duration or the tissue "
-          "damping");
-    }
-  }
+  if (same_action && (ends_withdrawn || ends_settled)) end_open_action(state_.t - step.h);
   return step.h;
 }
 
-bool Simulation::settled() const {
+// Actions that end when something has happened, which it may never do. t0: start of the step (s).
+void Simulation::end_open_action(double t0) {
+  Motion& motion = this->motion();
+  if (motion.action().kind == ActionKind::retract) {
+    if (needle_->released()) {
+      motion.finish_action();
+    } else if (motion.skin() - motion.tip() > extent_) {
+      throw NumericalError("needle '" + needle_->parameters().name +
+                           "' does not come out: the tissue has followed it by " +
+                           brief(motion.skin() - motion.tip()) + " m, more than its own length");
+    }
+    return;
+  }
   PetscReal speed = 0;
   check(VecNorm(state_.v.get(), NORM_INFINITY, &speed));
-  return speed <= needle_->motion().action().speed_tolerance;
+  if (conditions_.changes(t0, state_.t)) settling_.restart();
+  if (!settling_.is_settled(speed, motion.action().speed_tolerance)) return;
+  motion.finish_action();
+  settling_.restart();
 }
 
 // Work of the forces on prescribed curves in a step that is about to be accepted (J).

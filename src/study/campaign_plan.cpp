@@ -23,6 +23,7 @@ class Planner {
   Planner(const Campaign& campaign, const Node& scene) : campaign_(campaign), scene_(scene) {}
 
   CampaignPlan plan() {
+    check_keys();
     for (const Variable& v : campaign_.vary) plan_.units.push_back(unit_of(v));
     for (const Variable& v : campaign_.vary) ends_.push_back(ends_of(v));
     make_points();
@@ -51,6 +52,68 @@ class Planner {
     const auto number = plain_number(text);
     if (!number) refuse_variable(name, "'" + text + "' is not a number without unit");
     return *number;
+  }
+
+  enum class Use { set, factor, offset, window };
+  struct KeyUse {
+    std::string name;  ///< of the variable or window
+    std::string key;   ///< as the scene writes it
+    Use use;
+  };
+
+  [[nodiscard]] std::vector<KeyUse> key_uses() const {
+    std::vector<KeyUse> uses;
+    for (const Variable& v : campaign_.vary) {
+      if (!v.key.empty()) uses.push_back({v.name, full(v.key), Use::set});
+      for (const Factor& factor : v.factor_of) {
+        uses.push_back({v.name, full(factor.key), Use::factor});
+      }
+      for (const auto& key : v.offset_of) uses.push_back({v.name, full(key), Use::offset});
+    }
+    for (const Window& window : campaign_.average) {
+      for (const auto& key : window.offset_of) {
+        uses.push_back({window.name, full(key), Use::window});
+      }
+    }
+    return uses;
+  }
+
+  /// Of two that change one key, one would be lost, or the outcome would hang on their order. Only
+  /// factors among themselves and offsets among themselves add up; windows come after all of them.
+  void check_keys() const {
+    const auto uses = key_uses();
+    for (std::size_t j = 0; j < uses.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) {
+        const KeyUse& a = uses[i];
+        const KeyUse& b = uses[j];
+        const bool same = a.key == b.key;
+        if (!same && !a.key.starts_with(b.key + ".") && !b.key.starts_with(a.key + ".")) continue;
+        const bool adds_up = same && a.name != b.name && a.use == b.use && a.use != Use::set;
+        if (adds_up || (same && b.use == Use::window && a.use != Use::window)) continue;
+        throw InputError(
+            campaign_.file + ": key '" + (b.use == Use::window ? "average." : "vary.") + b.name +
+            "': changes '" + b.key + "', and '" + a.name + "' changes " +
+            (same ? "it too" : "'" + a.key + "'") +
+            "; allowed: one variable a key, but for factors of one key, offsets of one "
+            "key, and windows");
+      }
+    }
+    const auto way = std::ranges::find_if(campaign_.vary, &Variable::on_the_way);
+    if (way == campaign_.vary.end()) return;
+    const std::string key = full(way->key);
+    const std::string list = key.substr(0, key.find(".motion.") + std::string(".motion").size());
+    for (const KeyUse& other : uses) {
+      if (other.key == key || !(other.key + ".").starts_with(list + ".")) continue;
+      refuse_variable(way->name, "on_the_way makes many inserts of one, of which '" + other.name +
+                                     "' would change the first only: '" + other.key + "'");
+    }
+  }
+
+  /// A key as the scene writes it.
+  [[nodiscard]] std::string full(const std::string& key) const {
+    if (closest(scene_, key).path == key) return key;
+    const Node* node = through_action(key);
+    return node != nullptr ? node->path : key;
   }
 
   /// The value of a key as the scene writes it.
@@ -217,12 +280,14 @@ class Planner {
     run.shift = shift;
     // The values of keys as they stand after the changes so far, since windows shift those.
     std::vector<std::pair<std::string, std::string>> changes;
-    const auto value_of = [&](const std::string& key, const std::string& name) {
+    const auto value_of = [&](const std::string& given, const std::string& name) {
+      const std::string key = full(given);
       const auto changed =
           std::ranges::find(changes, key, &std::pair<std::string, std::string>::first);
       return changed != changes.end() ? changed->second : text_of(written(key, name));
     };
-    const auto change = [&](const std::string& key, const std::string& text) {
+    const auto change = [&](const std::string& given, const std::string& text) {
+      const std::string key = full(given);
       std::erase_if(changes, [&](const auto& old) { return old.first == key; });
       changes.emplace_back(key, text);
     };

@@ -1,6 +1,7 @@
 #include "stylet/study/plan.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/history.hpp"
 #include "stylet/output/progress.hpp"
@@ -8,6 +9,8 @@
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/owned.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
+#include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/run.hpp"
 #include "stylet/simulation/simulation.hpp"
 
@@ -20,6 +23,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <numeric>
 
 namespace stylet {
 
@@ -75,6 +79,26 @@ class Variables {
     return values;
   }
 
+  /// The variables that stand at an end of their range.
+  [[nodiscard]] std::vector<std::string> at_ends(const Values& values) const {
+    const Values low = bounds(-1);
+    const Values high = bounds(1);
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      constexpr double close = 1e-6;  // of the range
+      const double room = std::min(values[i] - low[i], high[i] - values[i]);
+      if (room > close * (high[i] - low[i])) continue;
+      if (i < stops_.size()) {
+        names.push_back("the stop of motion." + std::to_string(stops_[i]) + " (--depth-range)");
+      } else if (has_height_ && i == stops_.size()) {
+        names.emplace_back("the height (--height-range)");
+      } else {
+        names.emplace_back("the speed (--speed-range)");
+      }
+    }
+    return names;
+  }
+
   void apply(const Values& values, Scene& scene) const {
     auto& needle = scene.needles[needle_];
     for (std::size_t i = 0; i < stops_.size(); ++i) {
@@ -113,8 +137,10 @@ class Planner {
         file_(comm,
               folder + "/plan.csv",
               {{"run", ""}, {"needle", ""}, {"seed", ""}, {"placement_error", "m"}}) {
-    // The needles are out when the last seed counts: only the placement is asked for.
-    scene_.time.until_implanted = true;
+    // Where the tissue goes back to rest, only the placement is asked for, and a needle's seeds do not
+    // depend on those after it; else the whole scene is run.
+    shortcut_ = why_not_at_rest(scene).empty();
+    scene_.time.until_implanted = shortcut_;
     scene_.output = {};
     scene_.output.history = false;
     scene_.expect.clear();
@@ -128,6 +154,12 @@ class Planner {
       const Values best = minimise(variables, n, before.size());
       const auto spread = jitter(variables, best, n);
       const Values after = residuals(variables, best, n);
+      const double wanted = options_.tolerance / unit * std::sqrt(0.5 * double(after.size()));
+      if (std::sqrt(std::inner_product(after.begin(), after.end(), after.begin(), 0.0)) > wanted) {
+        for (const auto& end : variables.at_ends(best)) {
+          plan.at_ends.push_back(scene_.needles[n].name + ": " + end);
+        }
+      }
       variables.apply(best, scene_);
       std::size_t k = 0;
       for (const Action& action : scene_.needles[n].motion) {
@@ -167,17 +199,23 @@ class Planner {
     }
     Scene scene = scene_;
     variables.apply(values, scene);
-    scene.needles.resize(needle + 1);
+    if (shortcut_) scene.needles.resize(needle + 1);
     ++n_runs_;
     Values result;
     try {
       Simulation simulation(comm_, scene, false);
       while (!simulation.done()) simulation.step();
-      for (const Seed& seed : simulation.seeds()) {
+      std::vector<EmbeddedPoint> places;
+      for (const Seed& seed : simulation.seeds()) places.push_back(seed.place);
+      const auto world = simulation.world(places);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        const Seed& seed = simulation.seeds()[i];
         if (seed.needle != scene.needles[needle].name || seed.target.empty()) continue;
         const auto& targets = simulation.scene().targets;
         const auto target = std::ranges::find(targets, seed.target, &Target::name);
-        const Vector2 miss = seed.place.x - target->point;
+        const Vector2 at_rest{places[i].x.x - target->point.x, places[i].x.y - target->point.y};
+        const Vector2 at_end{world[i].x - target->point.x, world[i].y - target->point.y};
+        const Vector2 miss = shortcut_ ? at_rest : at_end;
         result.insert(result.end(), {miss.x / unit, miss.y / unit});
       }
     } catch (const Error& error) {
@@ -284,6 +322,7 @@ class Planner {
   MPI_Comm comm_;
   const PlanOptions& options_;
   Scene scene_;
+  bool shortcut_ = false;  ///< runs end at the last implant
   Progress progress_;
   HistoryWriter file_;
   std::map<std::pair<std::size_t, Values>, Values> known_;  ///< by needle and variables
@@ -376,8 +415,16 @@ Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
                                                 {"total", seed.uncertainty->total()}};
     }
   }
+  if (!result.at_ends.empty()) summary["at_ends_of_ranges"] = result.at_ends;
   write_summary(comm, result.folder + "/summary.json", summary);
   if (rank_of(comm) == 0 && !options.quiet) print(result, scene);
+  if (!result.at_ends.empty()) {
+    double most = 0;
+    for (const auto& seed : result.seeds) most = std::max(most, seed.error);
+    throw NumericalError("the plan ends at the end of a range and still misses by " +
+                         brief(1e3 * most) + " mm: " + join(result.at_ends, ", ") +
+                         "; a wider range may bring the seeds to their targets");
+  }
   return result;
 }
 

@@ -7,8 +7,10 @@
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/scene/overrides.hpp"
+#include "stylet/scene/quantities.hpp"
 #include "stylet/study/campaign_plan.hpp"
 #include "stylet/study/pool.hpp"
 #include "stylet/study/study_run.hpp"
@@ -42,7 +44,7 @@ class Sweep {
     Node document = parse_yaml(scene_file_, scene_text_);
     for (const auto& change : campaign.set) apply_override(document, scene_file_, change);
     plan_ = plan_runs(campaign, document);
-    (void)scene_of(0);  // a wrong key strikes all runs
+    check_outputs(scene_of(0));  // a wrong key or output strikes all runs
   }
 
   SweepOutcome run(bool join) {
@@ -100,6 +102,26 @@ class Sweep {
   }
 
  private:
+  void check_outputs(const Scene& scene) const {
+    std::vector<std::string> paths;
+    for (const auto& quantity : summary_quantities(scene)) paths.push_back(quantity.path);
+    for (const auto& outputs : plan_.runs.front().outputs) {
+      for (const auto& output : outputs) {
+        if (std::ranges::find(paths, output) != paths.end()) continue;
+        throw InputError(campaign_.file + ": key 'outputs': '" + output +
+                         "' is no number of the summary of " + scene_file_ + "; the nearest is '" +
+                         nearest(output, paths) + "'; all: " + join(paths));
+      }
+    }
+    const bool on_the_way = std::ranges::any_of(campaign_.vary, &Variable::on_the_way);
+    const std::string why = why_not_at_rest(scene);
+    if (!on_the_way || why.empty()) return;
+    throw InputError(campaign_.file +
+                     ": on_the_way: seeds of one insertion are where those of many would be only "
+                     "if the tissue goes back to rest, but " +
+                     why);
+  }
+
   [[nodiscard]] Scene scene_of(int task) const {
     std::vector<std::string> changes = campaign_.set;
     const auto& own = plan_.runs[static_cast<std::size_t>(task)].overrides;

@@ -19,6 +19,11 @@ struct LinearElastic {
   double density = 0;  ///< kg/m^3
 };
 
+/// True where plain triangles resist a change of shape by several times too much in plane strain.
+inline bool locks_in_plane_strain(const LinearElastic& material) {
+  return material.poisson_ratio > 0.45;
+}
+
 /// C = mass_factor M + stiffness_factor K.
 struct RayleighDamping {
   double mass_factor = 0;       ///< 1/s

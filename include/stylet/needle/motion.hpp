@@ -28,6 +28,8 @@ class Motion {
   [[nodiscard]] std::size_t index() const { return at_; }
   [[nodiscard]] double tip() const { return tip_; }
   [[nodiscard]] double skin() const { return skin_; }
+  /// True if the present action moves the tip to where it is: it takes no time and no step.
+  [[nodiscard]] bool is_no_motion() const;
 
   /// The next step, at most `longest`. Steps of one action have equal lengths, so that the step's
   /// operator can be used again. Not for implant.

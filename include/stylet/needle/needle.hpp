@@ -117,6 +117,10 @@ class Needle {
   [[nodiscard]] const Track& track() const { return track_; }
   [[nodiscard]] NeedlePhase phase() const { return phase_; }
   [[nodiscard]] TipContact tip_contact() const { return tip_; }
+  /// Tip force (N) at which a tip that is in with all of its length cuts on, or punctures the membrane.
+  [[nodiscard]] double force_to_cut(const Mesh& mesh) const {
+    return membrane_ ? tissue_.puncture_force : whole_threshold(mesh);
+  }
   [[nodiscard]] bool at_membrane() const { return membrane_.has_value(); }
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
   /// Where the tip stands in the reference mesh: the end of the path, or the point of the path that
@@ -135,6 +139,7 @@ class Needle {
   [[nodiscard]] bool searches() const { return parameters_.cutting.law == CuttingLaw::consistent; }
   [[nodiscard]] double path_length(const Mesh& mesh) const;
   [[nodiscard]] bool presses_on_skin(const Mesh& mesh) const;
+  [[nodiscard]] double whole_threshold(const Mesh& mesh) const;
   [[nodiscard]] double threshold(const Mesh& mesh) const;
   [[nodiscard]] double tolerance() const;
   [[nodiscard]] double slack() const;

@@ -14,4 +14,14 @@ void check(const Scene& scene);
 /// The rules alone, with messages that point into the document the scene was read from.
 void check_rules(const Scene& scene, const Node& document);
 
+/// Why the seeds of a run that ends at its last implant are not where they come to rest; empty if
+/// they are: linear tissue that nothing acts on any more goes back to where it was.
+[[nodiscard]] std::string why_not_at_rest(const Scene& scene);
+
+/// Throws InputError `place: key 'path': message`, for what shows only where the mesh is. The place
+/// is that in the document, or the file of a scene that was made in code.
+[[noreturn]] void refuse_key(const Scene& scene,
+                             const std::string& path,
+                             const std::string& message);
+
 }  // namespace stylet

@@ -56,7 +56,8 @@ inline const Range not_negative{.min = 0};
 
 [[nodiscard]] Codec<double> number(const std::string& si_unit, const Range& range);
 [[nodiscard]] Codec<double> plain(const Range& range);  ///< dimensionless
-[[nodiscard]] Codec<double> number_in_any_unit();
+/// A plain number is in SI; one with a unit must fit `si_unit`.
+[[nodiscard]] Codec<double> number_in_unit_or_plain(const std::string& si_unit);
 [[nodiscard]] Codec<int> integer(int min);
 [[nodiscard]] Codec<bool> flag();
 [[nodiscard]] Codec<std::string> text(const std::string& what);

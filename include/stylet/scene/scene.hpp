@@ -6,6 +6,7 @@
 #include "stylet/geometry/points.hpp"
 #include "stylet/mesh/parameters.hpp"
 #include "stylet/needle/parameters.hpp"
+#include "stylet/scene/document.hpp"
 
 #include <array>
 #include <limits>
@@ -86,6 +87,8 @@ struct Scene {
   TimeParameters time;
   OutputParameters output;
   std::vector<Expectation> expect;
+  Node
+      document;  ///< as it was read, for the places in messages; empty if the scene was made in code
 };
 
 }  // namespace stylet

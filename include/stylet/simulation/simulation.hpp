@@ -10,6 +10,8 @@
 #include "stylet/simulation/conditions.hpp"
 #include "stylet/simulation/energy.hpp"
 #include "stylet/simulation/model.hpp"
+#include "stylet/simulation/settling.hpp"
+#include "stylet/simulation/strain.hpp"
 
 #include <memory>
 #include <optional>
@@ -86,6 +88,8 @@ class Simulation {
   /// What holds the tissue now, with the contacts of the end of the last step.
   [[nodiscard]] ConstraintSet constraints() const;
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
+  [[nodiscard]] const Conditions& conditions() const { return conditions_; }
+  [[nodiscard]] const LargestStrain& largest_strain() const { return largest_strain_; }
   [[nodiscard]] const RunCounts& counts() const { return counts_; }
   /// Up to date after every step if they are tracked, else as of the last check.
   [[nodiscard]] const Energies& energies() const { return ledger_.energies(); }
@@ -108,8 +112,10 @@ class Simulation {
   void start();
   void act_without_time();
   void enter_next_needle();
+  void require_cut_in() const;
   void implant();
   Motion& motion() { return needle_ ? needle_->motion() : *clock_; }
+  void watch_strain();
   double sub_step(double longest, StepRecord& record);
   bool edit_for_needle();
   void apply(const NeedleEdits& edits, bool repair);
@@ -120,7 +126,7 @@ class Simulation {
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
   void accept(const Trial& trial, double h, const NeedleStepReport& report);
   void count_deformed_inversions();
-  [[nodiscard]] bool settled() const;
+  void end_open_action(double t0);
 
   Scene scene_;
   NumberedMesh numbered_;
@@ -144,8 +150,12 @@ class Simulation {
   std::vector<Seed> seeds_;
   RunCounts counts_;
   NeedleCounts earlier_needles_;
+  double largest_tip_force_ = 0;  ///< of the present needle, at the end of a step (N)
   double estimated_time_ = 0;
-  long settling_steps_ = 0;
+  double next_strain_ = 0;  ///< time of the next look at all strains (s)
+  LargestStrain largest_strain_;
+  Settling settling_;
+  double extent_ = 0;  ///< of the tissue along the needle (m)
   bool started_ = false;
   bool done_ = false;
 };

@@ -39,6 +39,8 @@ struct Plan {
   std::string folder;
   Scene scene;  ///< as planned
   std::vector<PlannedSeed> seeds;
+  /// Variables at an end of their range, where the seeds are not at their targets.
+  std::vector<std::string> at_ends;
   int runs = 0;
 };
 
@@ -46,7 +48,8 @@ struct Plan {
 /// stops before implants, by TAO's POUNDERS on the vectors from targets to seeds (S. M. Wild, in
 /// Advances and Trends in Optimization, 2017), which needs no derivatives and does not follow noise
 /// below the tolerance. Writes planned.yaml, plan.csv and summary.json. Throws InputError for a scene
-/// without targets, NumericalError where a run fails.
+/// without targets, NumericalError where a run fails, and, with everything written, where the plan
+/// ends at an end of its range without reaching the tolerance.
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options);
 
 }  // namespace stylet

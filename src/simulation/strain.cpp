@@ -1,0 +1,86 @@
+#include "stylet/simulation/strain.hpp"
+
+#include "stylet/fem/element.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace stylet {
+
+namespace {
+
+double largest_principal_strain(const Mesh& mesh, int c, std::span<const double> u) {
+  const auto nodes = mesh.cell(c);
+  std::array<LinearSimplex<2>::Vector, 3> corners{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto at = 2 * static_cast<std::size_t>(nodes[k]);
+    corners[k] = {u[at], u[at + 1]};
+  }
+  const LinearSimplex<2> element(
+      {mesh.coordinates(nodes[0]), mesh.coordinates(nodes[1]), mesh.coordinates(nodes[2])});
+  const auto h = element.displacement_gradient(corners);
+  const double mean = 0.5 * (h[0][0] + h[1][1]);
+  const double radius = std::hypot(0.5 * (h[0][0] - h[1][1]), 0.5 * (h[0][1] + h[1][0]));
+  return std::abs(mean) + radius;
+}
+
+ReferencePoint centre_of(const Mesh& mesh, int c) {
+  const auto n = mesh.cell(c);
+  const auto a = mesh.point(n[0]);
+  return a + (1.0 / 3) * ((mesh.point(n[1]) - a) + (mesh.point(n[2]) - a));
+}
+
+/// The needle's path: cells with a node of it, and all whose centre is within the reach.
+class Zone {
+ public:
+  Zone(const Mesh& mesh, const Track* track, double reach) : reach_(reach) {
+    if (track == nullptr) return;
+    for (const ShaftNode& shaft : track->nodes()) {
+      points_.push_back(mesh.point(shaft.node));
+      for (const int c : mesh.cells_around(shaft.node)) cells_.push_back(c);
+    }
+    std::ranges::sort(cells_);
+  }
+  [[nodiscard]] bool holds(int c, ReferencePoint centre) const {
+    if (std::ranges::binary_search(cells_, c)) return true;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const ReferencePoint b = points_[std::min(i + 1, points_.size() - 1)];
+      if (distance(nearest(points_[i], b, centre), centre) < reach_) return true;
+    }
+    return false;
+  }
+
+ private:
+  static ReferencePoint nearest(ReferencePoint a, ReferencePoint b, ReferencePoint p) {
+    const Vector2 edge = b - a;
+    const double squared = dot(edge, edge);
+    const double s = squared > 0 ? std::clamp(dot(p - a, edge) / squared, 0.0, 1.0) : 0.0;
+    return a + s * edge;
+  }
+
+  double reach_;
+  std::vector<ReferencePoint> points_;
+  std::vector<int> cells_;
+};
+
+}  // namespace
+
+void raise(LargestStrain& largest,
+           const Mesh& mesh,
+           std::span<const double> u,
+           double time,
+           const Track* track,
+           double tip_length) {
+  const Zone zone(mesh, track, tip_length);
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const double strain = largest_principal_strain(mesh, c, u);
+    if (!(strain > std::min(largest.anywhere.value, largest.away.value))) continue;
+    const ReferencePoint centre = centre_of(mesh, c);
+    const StrainPeak peak{strain, time, centre};
+    if (strain > largest.anywhere.value) largest.anywhere = peak;
+    if (strain > largest.away.value && !zone.holds(c, centre)) largest.away = peak;
+  }
+}
+
+}  // namespace stylet
