@@ -137,8 +137,10 @@ void apply_override(Node& document,
   std::string path = override_text.substr(0, equals);
   path.erase(path.find_last_not_of(' ') + 1);
   const std::vector<std::string> parts = split(path);
-  if (equals == std::string::npos || parts.empty()) {
-    throw InputError(where + ": allowed: key=value, such as time.step=0.5 ms");
+  const bool is_blank = equals == std::string::npos ||
+                        override_text.find_first_not_of(' ', equals + 1) == std::string::npos;
+  if (is_blank || parts.empty()) {
+    throw InputError(where + ": allowed: key=value, such as time.step=0.5 ms, or key=null");
   }
   const Override given{where, parse_yaml(where, override_text.substr(equals + 1))};
   set(document, scene_codec().key, parts, given);
