@@ -8,6 +8,8 @@
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/scene/schema.hpp"
+#include "stylet/simulation/notes.hpp"
+#include "stylet/simulation/overview.hpp"
 #include "stylet/simulation/simulation.hpp"
 
 #include <cstdio>
@@ -69,10 +71,9 @@ int run_verb(SceneArguments arguments, RunOptions options, const std::string& ac
 int check_verb(const SceneArguments& arguments) {
   const Simulation simulation(MPI_COMM_WORLD, load(arguments), false);
   if (prints()) {
-    std::printf("%s is valid: %d triangles, %d nodes, worst quality %.3f, %zu needle%s\n",
-                arguments.file.c_str(), simulation.mesh().n_cells(), simulation.mesh().n_nodes(),
-                simulation.counts().worst_quality, simulation.scene().needles.size(),
-                simulation.scene().needles.size() == 1 ? "" : "s");
+    std::printf("%s is valid\n%s", arguments.file.c_str(),
+                overview(simulation, size_of(MPI_COMM_WORLD)).c_str());
+    for (const auto& note : notes_of(simulation)) std::printf("note: %s\n", note.c_str());
   }
   return static_cast<int>(ExitCode::done);
 }

@@ -116,8 +116,9 @@ std::vector<Field<Scene>> loads() {
        field("force", &Traction::force, point<Vector2>("N/m"), "Force per metre of curve.")
            .required(),
        field("start", &Traction::start, number("s", not_negative), "Acts from then on.")});
-  return {field("body", &Scene::body_forces, list(body), "Forces on the volume."),
-          field("traction", &Scene::tractions, list(traction), "Forces on named curves.")};
+  return {
+      field("body", &Scene::body_forces, list(body), "Forces on the volume, which add up."),
+      field("traction", &Scene::tractions, list(traction), "Forces on named curves, one a curve.")};
 }
 
 Codec<PrescribedCurve> prescribed() {
@@ -206,11 +207,13 @@ Codec<Scene> scene() {
   return block<S>(
       {field("mesh", &S::mesh, mesh(), "Where the triangles come from.").required(),
        field("tissue", &S::tissue, tissue(), "What the tissue is made of.").required(),
-       field("supports", &S::supports,
-             named("CURVE", &Support::curve, wrap(&Support::kind, support())),
-             "How named boundaries are held; the others are free."),
+       field(
+           "supports", &S::supports,
+           named("CURVE", &Support::curve, wrap(&Support::kind, support())),
+           "How named boundaries are held; the others are free. Needles need tissue that is held."),
        group("loads", loads(), "Forces on the tissue."),
-       field("prescribed", &S::prescribed, list(prescribed()), "Named curves that are moved."),
+       field("prescribed", &S::prescribed, list(prescribed()),
+             "Named curves that are moved; in a point of a support, the support holds."),
        field(
            "needle_angle", &S::needle_angle, number("rad", {.min = -7, .max = 7}),
            "Direction in which the needles advance, from +x counter-clockwise; pi: from the right.")

@@ -63,8 +63,10 @@ std::vector<ActionEntry> action_entries() {
       field("speed", &A::speed, number("m/s", positive), "Speed of the needle.").required();
   const auto depth = field("depth", &A::depth, number("m", not_negative),
                            "Where the tip stops, behind the entry point.");
-  const auto position = field("position", &A::position, number("m", anything),
-                              "Where the tip stops, as its coordinate along the axis.");
+  const auto position =
+      field("position", &A::position, number("m", anything),
+            "Where the tip stops, as its coordinate along the axis, which grows against "
+            "the advance.");
   const auto duration =
       field("duration", &A::duration, number("s", positive), "How long it takes.");
   const auto target = field("target", &A::target, text("a target"), "Where the seed should be.")

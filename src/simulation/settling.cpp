@@ -11,7 +11,7 @@ namespace stylet {
 
 namespace {
 
-constexpr double most_steps = 1e6;  // still to come
+constexpr double most_steps = 3e5;  // still to come
 constexpr int most_hopeless_blocks = 3;
 
 }  // namespace

@@ -189,9 +189,10 @@ StepRecord Simulation::step_unguarded() {
 // At evenly spaced moments and at the end of every action: a look at all triangles costs about as much
 // as a whole step.
 void Simulation::watch_strain() {
-  constexpr double moments = 64;
+  constexpr double moments = 32;
   next_strain_ = state_.t + estimated_time_ / moments;
-  const auto u = gather_all(state().u.get());
+  integrator_->complete();
+  const auto u = gather_all(state_.u.get());
   const bool is_in = needle_ && !needle_->track().empty();
   raise(largest_strain_, mesh(), u, state_.t, is_in ? &needle_->track() : nullptr,
         is_in ? needle_->parameters().cutting.tip_length : 0);

@@ -337,6 +337,14 @@ void check_options(const Scene& scene, const PlanOptions& options) {
   if (!has_target) {
     throw InputError(scene.file + ": key 'targets': nothing to plan: no implant has a target");
   }
+  // Loads may last, but what moves the tissue must have an end.
+  Scene unloaded = scene;
+  unloaded.body_forces.clear();
+  unloaded.tractions.clear();
+  unloaded.prescribed.clear();
+  if (const std::string why = why_not_at_rest(unloaded); !why.empty()) {
+    throw InputError(scene.file + ": key 'needles': a plan is for seeds at rest, but " + why);
+  }
   if (options.depth_range <= 0 || options.height_range < 0 || options.tolerance <= 0 ||
       (options.speeds &&
        !(0 < (*options.speeds)[0] && (*options.speeds)[0] < (*options.speeds)[1]))) {

@@ -47,6 +47,7 @@ needles:
       - insert: {speed: 2 cm/s, depth: 4 cm}
       - implant
       - retract: {speed: 2 cm/s}
+      - settle
 targets:
   seed: [4 cm, 3.2 cm]
 time:

@@ -6,7 +6,7 @@ import os
 import re
 import unittest
 
-from stylet_cli import DONE, NEEDLE_SCENE, PROGRAM, CliTest, call
+from stylet_cli import DONE, NEEDLE_SCENE, NUMERICAL, PROGRAM, CliTest, call
 
 COARSE = NEEDLE_SCENE.replace("step: 10 ms", "step: 20 ms\n  until: implanted")
 ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
@@ -117,6 +117,32 @@ class Studies(CliTest):
         self.assert_refused(self.stylet("plan", "scene.yaml", "--set", "targets=null",
                                         "--output", "new"), "target")
 
+    def test_plan_under_a_lasting_load_is_that_of_a_run(self):
+        """Seeds at rest are not where they are in the unloaded tissue."""
+        loaded = (COARSE.replace("  until: implanted\n", "").replace("bottom: fixed", "bottom: free")
+                  + "loads: {body: [{force: [0 N/m^3, 40000 N/m^3]}]}\n")
+        self.write("loaded.yaml", loaded)
+        self.assert_code(self.stylet("plan", "loaded.yaml", "--tolerance", "0.2 mm"), DONE)
+        seed = self.json("out/plan-loaded/summary.json")["seeds"][0]
+        self.assertLess(seed["placement_error"], 0.2e-3)
+        self.assert_code(self.stylet("run", "out/plan-loaded/planned.yaml", "--output", "run"), DONE)
+        run = self.json("run/summary.json")["seeds"][0]
+        self.assertAlmostEqual(run["placement_error"], seed["placement_error"], delta=1e-9)
+        moved = [w - r for w, r in zip(run["world"], run["reference"], strict=True)]
+        self.assertGreater(abs(moved[1]), 1e-3, "the load moves the seed at rest")
+
+    def test_plan_that_ends_at_its_range_says_so(self):
+        outcome = self.stylet("plan", "scene.yaml", "--depth-range", "0.5 mm", "--height-range", "0 mm")
+        self.assert_code(outcome, NUMERICAL)
+        self.assert_message(outcome, "ends at the end of a range and still misses by",
+                            "needle1: the stop of motion.0 (--depth-range)")
+        self.assertEqual(len(self.json("out/plan-scene/summary.json")["at_ends_of_ranges"]), 1)
+
+    def test_plan_of_seeds_that_do_not_come_to_rest_is_refused(self):
+        self.write("in.yaml", COARSE.replace("  until: implanted\n", "")
+                   .replace("      - retract: {speed: 2 cm/s}\n      - settle\n", ""))
+        self.assert_refused(self.stylet("plan", "in.yaml"), "is not all the way out at the end")
+
     def test_plan_of_two_needles_and_three_seeds(self):
         second = """\
       - implant: {target: near}
@@ -126,6 +152,8 @@ class Studies(CliTest):
     motion:
       - insert: {speed: 2 cm/s, depth: 3.5 cm}
       - implant: {target: low}
+      - retract: {speed: 2 cm/s}
+      - settle
 targets:
   seed: [4 cm, 3.2 cm]
   near: [5.2 cm, 3.2 cm]
@@ -136,6 +164,8 @@ targets:
         first = first.replace("      - implant\n      - retract: {speed: 2 cm/s}\n",
                               "      - implant: {target: seed}\n"
                               "      - retract: {speed: 2 cm/s, depth: 2.8 cm}\n")
+        self.assertIn("depth: 2.8 cm", first)
+        first = first.replace("      - settle\n", "")
         self.write("two.yaml", first + second + rest.replace("  until: implanted\n", ""))
         outcome = self.stylet("plan", "two.yaml")
         self.assert_code(outcome, DONE)

@@ -127,10 +127,9 @@ class Sweep(CliTest):
         self.assertIn("cutting_force", rows[3]["error"])
         self.assertEqual(rows[3]["seeds.0.placement_error"], "")
         self.write("wrong.yaml", CAMPAIGN.replace("peak_needle_force", "peak_force"))
-        outcome = self.sweep("wrong.yaml")
-        self.assert_code(outcome, NUMERICAL)
-        self.assert_message(outcome, "all runs of the campaign failed")
-        self.assertIn("peak_force", self.rows("out/sweep-wrong")[0]["error"])
+        self.assert_refused(self.sweep("wrong.yaml"), "'outputs': 'peak_force' is no number of",
+                            "the nearest is 'peak_needle_force'")
+        self.assertFalse((self.folder / "out/sweep-wrong").exists(), "before the first run")
 
     def test_seeds_on_the_way_are_those_of_runs_of_their_own(self):
         errors = []

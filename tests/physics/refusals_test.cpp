@@ -102,7 +102,7 @@ TEST(Refusal, LinearSolverThatDoesNotConverge) {
 
 TEST(Refusal, NeedleThatWouldLeaveTheFarSide) {
   EXPECT_THAT(message_of<InputError>(pierced, {"needles.0.motion.0.insert.depth=8 cm"}),
-              HasSubstr("needle 'needle1', motion.0.insert: ends 0.08"));
+              HasSubstr("key 'needles.0.motion.0.insert': ends 0.08 m behind the entry point"));
 }
 
 // Without inertia a rigid motion has no resistance.

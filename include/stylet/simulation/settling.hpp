@@ -4,7 +4,7 @@
 namespace stylet {
 
 /// Follows the largest speed of the tissue from step to step. Where it falls so slowly that the
-/// tolerance is a million steps away, three times in a row over longer and longer blocks of steps,
+/// tolerance is 300,000 steps away, three times in a row over longer and longer blocks of steps,
 /// there is no waiting for it: undamped tissue swings for ever, and round-off has a floor.
 class Settling {
  public:

@@ -192,6 +192,7 @@ TEST(Validate, Tetrahedra) {
   std::swap(mesh.cells[0], mesh.cells[1]);
   validate(mesh);
   EXPECT_GT(Mesh(mesh).cell_measure(0), 0);
+  EXPECT_NO_THROW(validate(mesh));
   mesh = pair();
   mesh.coordinates.resize(12);
   mesh.coordinates.insert(mesh.coordinates.end(), {-1, -1, -1});

@@ -90,7 +90,24 @@ TEST(Check, DurationIsOfScenesWithoutNeedles) {
 
 TEST(Check, StoppingAtTheLastImplantHasToBeExact) {
   const std::vector<std::string> early = {"time.until=implanted"};
-  EXPECT_EQ(message_of(needle_scene, early), "no error");
+  const std::string rests = changed(needle_scene, "- settle: {duration: 1 s}", "- settle");
+  EXPECT_EQ(message_of(rests, early), "no error");
+  const auto with = [&](const std::string& change) {
+    return message_of(rests, {early[0], change});
+  };
+  for (const char* load : {"loads={body: [{force: [0 N/m^3, -1 N/m^3]}]}",
+                           "loads={traction: [{curve: right, force: [1 N/m, 0 N/m]}]}",
+                           "prescribed=[{curve: right, displacement: [1 mm, 0 mm]}]"}) {
+    EXPECT_THAT(with(load), HasSubstr("allowed: settled, because")) << load;
+    EXPECT_THAT(with(load), HasSubstr(" lasts")) << load;
+  }
+  EXPECT_EQ(with("loads={body: [{force: [0 N/m^3, 0 N/m^3]}]}"), "no error");
+  EXPECT_EQ(with("prescribed=[{curve: right, displacement: [0 mm, 0 mm]}]"), "no error");
+  EXPECT_THAT(message_of(needle_scene, early), HasSubstr("does not end with a settle"));
+  EXPECT_THAT(message_of(changed(rests, "      - settle\n", ""), early),
+              HasSubstr("does not end with a settle"));
+  EXPECT_THAT(message_of(changed(rests, "retract: {", "retract: {depth: 1 cm, "), early),
+              HasSubstr("not all the way out"));
   const std::string late = changed(needle_scene, "- settle: {duration: 1 s}", "- implant");
   EXPECT_THAT(message_of(changed(late, "retract: {", "retract: {depth: 1 cm, "), early),
               HasSubstr("key 'time.until': value 'implanted'; allowed: settled, because needle1"));
@@ -144,10 +161,52 @@ TEST(Check, MeshKeysFitTogether) {
 TEST(Check, LoadsAndExpectationsSaySomething) {
   EXPECT_THAT(message_of(block_scene, {"prescribed=[{curve: a, displacement: [null, null]}]"}),
               HasSubstr("at least one component"));
-  EXPECT_THAT(message_of(block_scene, {"expect=[{quantity: a}]"}), HasSubstr("a min or a max"));
-  EXPECT_THAT(message_of(block_scene, {"expect=[{quantity: a, min: 2, max: 1}]"}),
+  EXPECT_THAT(message_of(block_scene, {"expect=[{quantity: time}]"}), HasSubstr("a min or a max"));
+  EXPECT_THAT(message_of(block_scene, {"expect=[{quantity: time, min: 2, max: 1}]"}),
               HasSubstr("key 'expect.0.max': value '1'; allowed: >= min, which is 2"));
   EXPECT_THAT(message_of(block_scene, {"tissue.regions={}"}), HasSubstr("at least one region"));
+}
+
+TEST(Check, ExpectationsAreOfNumbersThatARunHasInTheirUnit) {
+  const auto expect = [](const std::string& quantity, const std::string& max) {
+    return message_of(needle_scene, {"expect=[{quantity: " + quantity + ", max: " + max + "}]"});
+  };
+  EXPECT_EQ(expect("seeds.0.placement_error", "5 mm"), "no error");
+  EXPECT_EQ(expect("seeds.0.placement_error", "0.005"), "no error");
+  EXPECT_EQ(expect("peak_needle_force", "5 N"), "no error");
+  EXPECT_THAT(expect("seeds.0.placement_error", "5 N"),
+              HasSubstr("key 'expect.0.max': value '5 N' is not convertible to m"));
+  EXPECT_THAT(expect("peak_needle_force", "5 mm"), HasSubstr("not convertible to N"));
+  EXPECT_THAT(expect("punctures", "2 m"), HasSubstr("key 'expect.0.max': value '2 m'"));
+  EXPECT_THAT(
+      expect("seeds.1.placement_error", "5 mm"),
+      HasSubstr("key 'expect.0.quantity': value 'seeds.1.placement_error'; allowed: a number "
+                "that a run of this scene has, such as 'seeds.0.placement_error'; all: time"));
+  EXPECT_THAT(expect("placement_eror", "5 mm"), HasSubstr("expect.0.quantity"));
+  EXPECT_THAT(expect("stable_step", "1 s"), HasSubstr("expect.0.quantity"));
+  const Scene scene = load_scene("s.yaml", needle_scene,
+                                 {"expect=[{quantity: seeds.0.world.1, min: -1 cm, max: 2}]"});
+  EXPECT_EQ(scene.expect[0].min, -0.01);
+  EXPECT_EQ(scene.expect[0].max, 2);
+  EXPECT_NO_THROW(check(scene));
+}
+
+TEST(Check, ACurveIsHeldMovedOrLoadedOnce) {
+  const std::string once = "{curve: right, displacement: [1 mm, 0 mm]}";
+  EXPECT_EQ(message_of(needle_scene, {"prescribed=[" + once + "]"}), "no error");
+  EXPECT_THAT(message_of(needle_scene, {"prescribed=[" + once + ", " + once + "]"}),
+              HasSubstr("key 'prescribed.1.curve': value 'right'; allowed: one entry a curve"));
+  EXPECT_THAT(message_of(needle_scene, {"prescribed=[" + once + "]", "supports.right=fixed"}),
+              HasSubstr("supports.right is fixed"));
+  EXPECT_EQ(message_of(needle_scene, {"prescribed=[" + once + "]", "supports.right=free"}),
+            "no error");
+  const std::string load = "{curve: right, force: [1 N/m, 0 N/m]}";
+  EXPECT_THAT(message_of(needle_scene, {"loads.traction=[" + load + ", " + load + "]"}),
+              HasSubstr("key 'loads.traction.1.curve'"));
+  EXPECT_THAT(message_of(block_scene,
+                         {"time.duration=1 s",
+                          "prescribed=[{curve: right, displacement: [1 mm, 0 mm], start: 2 s}]"}),
+              HasSubstr("key 'prescribed.0.start': value '2 s'; allowed: at most time.duration"));
 }
 
 TEST(Check, ScenesMadeInCodeKeepTheRangesToo) {

@@ -137,13 +137,14 @@ TEST(Loader, PrescribedComponentsMayBeNull) {
   EXPECT_EQ(scene.prescribed[0].displacement[1], -0.001);
 }
 
-TEST(Loader, ExpectationsTakeAnyUnit) {
+TEST(Loader, ExpectationsTakeAnyUnitOfTheirQuantity) {
   const Scene scene =
-      load_scene("s.yaml", block_scene, {"expect=[{quantity: a.b, min: 5.5 mm, max: 7}]"});
+      load_scene("s.yaml", block_scene,
+                 {"probes.p=[1 cm, 1 cm]", "expect=[{quantity: probes.p.0, min: 5.5 mm, max: 7}]"});
   EXPECT_EQ(scene.expect[0].min, 0.0055);
   EXPECT_EQ(scene.expect[0].max, 7.0);
-  EXPECT_THAT(message_of(block_scene, {"expect=[{quantity: a.b, min: 5.5 K}]"}),
-              HasSubstr("key 'expect.0.min': value '5.5 K'; allowed: a number, plain or in units"));
+  EXPECT_THAT(message_of(block_scene, {"expect=[{quantity: time, min: 5.5 K}]"}),
+              HasSubstr("key 'expect.0.min': value '5.5 K' is not convertible to s"));
 }
 
 }  // namespace

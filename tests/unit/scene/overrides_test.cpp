@@ -39,6 +39,12 @@ TEST(Overrides, TheLastOneHolds) {
   EXPECT_EQ(with({"time.step=1 s", "time.step=2 s"}).time.step, 2.0);
 }
 
+TEST(Overrides, NullOfAnAbsentKeyChangesNothing) {
+  EXPECT_EQ(message_of(needle_scene, {"output.snapshots=null"}), "no error");
+  EXPECT_EQ(message_of(block_scene, {"tissue.damping.mass_factor=null"}), "no error");
+  EXPECT_THAT(message_of(needle_scene, {"output.snapshot=null"}), HasSubstr("unknown key"));
+}
+
 TEST(Overrides, NullRemovesAKey) {
   EXPECT_FALSE(with({"needles.0.friction=null"}).needles[0].friction);
   const Scene scene = with({"needles.0.motion.0.depth=null", "needles.0.motion.0.position=3 cm"});

@@ -62,7 +62,7 @@ needles:
 membrane: {region: zebra, puncture_force: 2.55 N}
 targets: {b: [1 cm, 1.1 cm], a: [0.1 m, 1 um]}
 probes: {p: [3 mm, 1 mm], o: [1 mm, 2 mm]}
-time: {method: explicit, scheme: generalised_alpha, rho_infinity: 0.25, step: 0.7 ms, until: implanted, safety: 0.8}
+time: {method: explicit, scheme: generalised_alpha, rho_infinity: 0.25, step: 0.7 ms, until: settled, safety: 0.8}
 output: {directory: out/a b, history: false, snapshots: 50 ms}
 expect: [{quantity: seeds.0.placement_error, min: 5.5 mm, max: 7.5 mm}, {quantity: steps, max: 1e6}]
 )";

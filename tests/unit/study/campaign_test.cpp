@@ -59,8 +59,8 @@ vary:
   depth: {offset_of: [needles.0.motion.0.position], values: [-5 mm]}
 )");
   EXPECT_THAT(plan.runs[0].overrides,
-              ElementsAre("needles.0.motion.0.speed=4 cm/s", "time.step=2.5 ms",
-                          "needles.0.motion.0.position=3 cm"));
+              ElementsAre("needles.0.motion.0.insert.speed=4 cm/s", "time.step=2.5 ms",
+                          "needles.0.motion.0.insert.position=3 cm"));
 }
 
 TEST(Campaign, OneAtATimeStartsWithTheSceneAsItIs) {
@@ -85,6 +85,48 @@ average:
   ASSERT_EQ(plan.runs.size(), 3U);
   EXPECT_THAT(plan.runs[0].overrides, ElementsAre("needles.0.height=2.9 cm", "targets.a.1=3.1 cm"));
   EXPECT_THAT(plan.runs[1].overrides, ElementsAre("needles.0.height=3 cm", "targets.a.1=3.2 cm"));
+}
+
+TEST(Campaign, TwoOfOneKeyAreRefused) {
+  const auto both = [](const std::string& a, const std::string& b, const std::string& more = "") {
+    return refusal("design: grid\nvary:\n  a: " + a + "\n  b: " + b + "\n" + more);
+  };
+  const std::string height = "{key: needles.0.height, values: [3 cm]}";
+  EXPECT_THAT(both(height, "{key: needles.0.height, values: [2 cm]}"),
+              HasSubstr("key 'vary.b': changes 'needles.0.height', and 'a' changes it too"));
+  EXPECT_THAT(both(height, "{offset_of: [needles.0.height], values: [1 mm]}"),
+              HasSubstr("changes it too"));
+  EXPECT_THAT(both("{key: needles.0.friction, values: [x]}",
+                   "{factor_of: {needles.0.friction.static_force: 1}, values: [2]}"),
+              HasSubstr("changes 'needles.0.friction.static_force', and 'a' changes "
+                        "'needles.0.friction'"));
+  // The same key in two spellings.
+  EXPECT_THAT(both("{key: needles.0.motion.0.speed, values: [1 cm/s]}",
+                   "{key: needles.0.motion.0.insert.speed, values: [2 cm/s]}"),
+              HasSubstr("changes it too"));
+  EXPECT_THAT(
+      both("{offset_of: [time.step], values: [1 ms]}", "{factor_of: {time.step: 1}, values: [2]}"),
+      HasSubstr("changes it too"));
+  EXPECT_EQ(
+      both("{factor_of: {time.step: 1}, values: [3]}", "{factor_of: {time.step: -1}, values: [2]}"),
+      "accepted");
+  EXPECT_EQ(both(height, "{key: time.step, values: [1 ms]}",
+                 "average:\n  w: {offset_of: [needles.0.height], width: 1 mm, count: 2}\n"),
+            "accepted");
+  EXPECT_THAT(both("{key: needles.0.motion.0.position, values: [3 cm], on_the_way: true}",
+                   "{key: needles.0.motion.0.speed, values: [1 cm/s]}"),
+              HasSubstr("on_the_way makes many inserts of one"));
+}
+
+TEST(Campaign, WindowsShiftAKeyInAnySpelling) {
+  const auto plan = planned(R"(
+design: grid
+vary:
+  position: {key: needles.0.motion.0.position, values: [3 cm]}
+average:
+  jitter: {offset_of: [needles.0.motion.0.insert.position], width: 2 mm, count: 2}
+)");
+  EXPECT_THAT(plan.runs[0].overrides, ElementsAre("needles.0.motion.0.insert.position=2.9 cm"));
 }
 
 TEST(Campaign, SeedsOnTheWayShareOneRun) {
