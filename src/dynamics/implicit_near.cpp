@@ -166,7 +166,7 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
     v[dof] = v_near_[i] + speed() * solution_.x[i];
     reaction[dof] = solution_.reaction[i];
   }
-  return {u_.get(), v_.get(), reaction_.get(), solution_.lambda, 0};
+  return at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
 }
 
 Trial ImplicitNewmark::finish(bool) {
@@ -196,7 +196,7 @@ Trial ImplicitNewmark::finish(bool) {
   if (held_move_) check(VecAXPY(increment_.get(), 1, held_increment_.get()));
   check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
   check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
-  trial_.lambda = solution_.lambda;
+  trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
   return trial_;
 }
 

@@ -185,7 +185,9 @@ Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints, bool edit
                                      mean ? &*mean : nullptr, increment_.get(), reaction_.get());
   check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
   check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
-  return {u_.get(), v_.get(), reaction_.get(), result.lambda, result.iterations};
+  Trial trial = at_end(u_.get(), v_.get(), {reaction_.get(), result.lambda});
+  trial.iterations = result.iterations;
+  return trial;
 }
 
 void ImplicitNewmark::accept() {

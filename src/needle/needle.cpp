@@ -303,6 +303,7 @@ ConstraintSet Needle::constraints(const Mesh& mesh) const {
   if (tip_ == TipContact::stick) {
     mean.value = step_.to - Axis::along(mesh.point(track_.tip()));
     mean.rate = step_.speed();
+    mean.by_rate = holds_by_rate();
     set.mean = mean;
   }
   return set;
@@ -318,10 +319,15 @@ double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
     mean_v += weights[i] * Axis::along(node.v);
   }
   const double gap = step_.to - Axis::along(mesh.point(track_.tip())) - mean_u;
-  return velocity_level_ ? gap + step_.h * (step_.speed() - mean_v) : gap;
+  if (!velocity_level_) return gap;
+  const double closing = step_.h * (step_.speed() - mean_v);
+  // Tissue that a condition by rate left ahead of the tip, or behind it, touches it.
+  if (holds_by_rate())
+    return (tip_ == TipContact::open ? std::min(gap, 0.0) : std::max(gap, 0.0)) + closing;
+  return gap + closing;
 }
 
-bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
+bool Needle::review(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda) {
   if (parameters_.friction && !review_friction(mesh, trial)) {
     // Another contact, another gap.
     last_gap_.reset();
@@ -382,18 +388,19 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
   return false;
 }
 
-bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda) {
+bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda) {
   const double tolerance = gap_tolerance * std::max(std::abs(step_.to - step_.from), 1e-9);
   switch (tip_) {
     case TipContact::stick: {
       const double f = threshold(mesh);
       const double limit = membrane_edge_ ? tissue_.puncture_force : f;
-      if (lambda < -force_slack * f) {
+      if (lambda.needed < -force_slack * f) {
         tip_ = TipContact::open;
         return false;
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
-      if (lambda <= limit * (1 + force_slack)) return true;
+      // Not by the blow; and where a blow holds tissue back that was ahead, a cut would let it go on.
+      if (std::min(lambda.needed, lambda.settled) <= limit * (1 + force_slack)) return true;
       if (membrane_edge_) {
         punctured_.insert(*membrane_edge_);
         membrane_edge_.reset();
@@ -477,20 +484,20 @@ bool Needle::cut_further(double g) {
 
 void Needle::book_work(const NeedleView& start,
                        const TrialView& trial,
-                       const std::vector<double>& along_forces,
+                       const AlongForces& forces,
                        double end_weight,
                        NeedleStepReport& report) {
-  for (std::size_t i = 0; i < along_forces.size(); ++i) {
+  for (std::size_t i = 0; i < forces.working.size(); ++i) {
     auto& shaft = track_.nodes()[i];
     const auto& node = trial.at(shaft.node);
-    const double across_force = shaft.attached ? Axis::across(node.working) : 0;
+    const bool held = shaft.attached;
     const auto mean = [&](double last, double now) {
       return (1 - end_weight) * last + end_weight * now;
     };
-    const double along = mean(shaft.along_force, along_forces[i]);
-    const double across = mean(shaft.across_force, across_force);
-    shaft.along_force = along_forces[i];
-    shaft.across_force = across_force;
+    const double along = mean(shaft.along_force, forces.working[i]);
+    const double across = mean(shaft.across_force, held ? Axis::across(node.working) : 0);
+    shaft.along_force = forces.settled[i];
+    shaft.across_force = held ? Axis::across(node.settled) : 0;
     // The needle guides a node that joins it on to its axis: work too.
     const Vector2 moved = node.u - start.at(shaft.node).u;
     const double hand = step_.to - step_.from;
@@ -508,10 +515,13 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
   const double v = step_.speed();
   if (tip_ == TipContact::cut) lambda = threshold(mesh);
   if (tip_ == TipContact::open) lambda = 0;
-  report.forces.tip = lambda.end;
+  report.forces.tip = lambda.settled;
   last_tip_force_ = report.forces.tip;
-  std::vector<double> along_forces = tip_weights(mesh);
-  for (double& force : along_forces) force *= lambda.working;
+  AlongForces forces;
+  for (const double weight : tip_weights(mesh)) {
+    forces.working.push_back(weight * lambda.working);
+    forces.settled.push_back(weight * lambda.settled);
+  }
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     const bool level = velocity_level_;
     velocity_level_ = false;  // the positions as they are
@@ -527,18 +537,18 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
       const auto& node = trial.at(shaft.node);
       const double relative = v - Axis::along(node.v);
       const bool sticks = shaft.contact == Contact::stick;
-      const double force = sticks
-                               ? Axis::along(node.reaction)
-                               : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
-      report.forces.friction += force;
-      along_forces[i] += sticks ? Axis::along(node.working) : force;
+      const double slip = shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
+      const double settled = sticks ? Axis::along(node.settled) : slip;
+      report.forces.friction += settled;
+      forces.settled[i] += settled;
+      forces.working[i] += sticks ? Axis::along(node.working) : slip;
       ++(sticks ? report.n_stick : report.n_slip);
       if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
         shaft.contact = Contact::stick;
       }
     }
   }
-  book_work(start, trial, along_forces, end_weight, report);
+  book_work(start, trial, forces, end_weight, report);
 
   // A tip that let go leaves the nodes that it has passed (paper, sec. V.E), and takes them again on
   // its way back in.

@@ -25,6 +25,9 @@ struct MeanCondition {
   std::vector<DofValue> weights;
   double value = 0;
   double rate = 0;
+  /// Only the rate is asked for: a gap that was there when the contact began stays. For integrators that
+  /// decide by velocity.
+  bool by_rate = false;
 };
 
 struct ConstraintSet {

@@ -60,11 +60,13 @@ struct NeedleTissue {
 
 /// Of the tip's condition (N), as in Trial.
 struct Multiplier {
-  // NOLINTNEXTLINE(google-explicit-constructor): one number where both are the same
-  Multiplier(double both) : end(both), working(both) {}
-  Multiplier(double at_end, double that_works) : end(at_end), working(that_works) {}
-  double end;
+  // NOLINTNEXTLINE(google-explicit-constructor): one number where all are the same
+  Multiplier(double all) : needed(all), working(all), settled(all) {}
+  Multiplier(double with_blow, double that_works, double after_blow)
+      : needed(with_blow), working(that_works), settled(after_blow) {}
+  double needed;
   double working;
+  double settled;
 };
 
 class Needle {
@@ -89,7 +91,7 @@ class Needle {
   NeedleEdits plan(const Mesh& mesh, const NeedleView& start);
   [[nodiscard]] ConstraintSet constraints(const Mesh& mesh) const;
   /// True: the step is accepted. Throws NumericalError where the advance has no solution.
-  bool review(const Mesh& mesh, const TrialView& trial, double lambda);
+  bool review(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda);
   /// start: the shaft nodes after the last edits; end_weight: of the forces at the end of the step in
   /// its work, those at its start have the rest.
   NeedleStepReport commit(const Mesh& mesh,
@@ -118,15 +120,24 @@ class Needle {
   void new_base();
   void forget_changes();
   [[nodiscard]] double cap();
+  /// A place to be reached in one step would be a blow: the gap is left to later cuts.
+  [[nodiscard]] bool holds_by_rate() const {
+    return velocity_level_ && parameters_.cutting.law == CuttingLaw::lagged;
+  }
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
   [[nodiscard]] std::vector<double> tip_weights(const Mesh& mesh) const;
   [[nodiscard]] std::vector<double> friction_lengths(const Mesh& mesh) const;
   bool review_friction(const Mesh& mesh, const TrialView& trial);
-  bool review_tip(const Mesh& mesh, const TrialView& trial, double lambda);
+  bool review_tip(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda);
   bool cut_further(double gap);
+  /// Of each node of the track (N), as in Trial.
+  struct AlongForces {
+    std::vector<double> working;
+    std::vector<double> settled;
+  };
   void book_work(const NeedleView& start,
                  const TrialView& trial,
-                 const std::vector<double>& along_forces,
+                 const AlongForces& forces,
                  double end_weight,
                  NeedleStepReport& report);
 
