@@ -262,6 +262,7 @@ ConstraintSet Simulation::needle_constraints(const Needle* active) const {
 double Simulation::sub_step(double longest, StepRecord& record) {
   NeedleStep step = motion().next(longest);
   const bool load_changes = conditions_.load_changes(state_.t, state_.t + step.h);
+  const bool load_jumps = load_changes || (state_.t == 0 && conditions_.has_load());
   const auto begin = [&] {
     const double t1 = state_.t + step.h;
     if (load_changes) update_load(t1);
@@ -295,7 +296,9 @@ double Simulation::sub_step(double longest, StepRecord& record) {
       shaft = active->shaft_nodes();
       integrator_->watch(shaft);
     }
-    trial = integrator_->attempt(needle_constraints(active), edited);
+    ConstraintSet set = needle_constraints(active);
+    set.load_jumps = load_jumps;
+    trial = integrator_->attempt(set, edited);
     ++record.passes;
     record.iterations += trial.iterations;
     if (active == nullptr || active->review(mesh(), trial_view(shaft, trial), multiplier(trial)))

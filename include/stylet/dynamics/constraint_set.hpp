@@ -34,6 +34,7 @@ struct ConstraintSet {
   std::vector<PrescribedDof> dofs;  ///< each dof at most once
   std::optional<MeanCondition> mean;
   std::vector<DofValue> forces;  ///< N, on dofs
+  bool load_jumps = false;       ///< other forces on the tissue begin in this step
 };
 
 /// Throws NumericalError: a mean condition whose dofs are all held.
