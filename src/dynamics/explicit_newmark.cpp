@@ -27,7 +27,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
       safety_(parameters.safety),
       damping_(tissue.damping().value_or(RayleighDamping{})),
       bound_(tissue) {
-  for (OwnedVec* vec : {&u_, &v_, &a_, &reaction_, &working_}) {
+  for (OwnedVec* vec : {&u_, &v_, &a_, &needed_, &working_, &settled_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -182,7 +182,7 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   const double half = 0.5 * h;
   const double end = sums.half + half * (sums.rest - damping_.mass_factor * sums.half) /
                                      (1 + half * damping_.mass_factor);
-  blow_work_ = sums.blow;
+  placing_work_ = sums.blow;
   load_work_ = h * sums.load;
   free_damping_work_ = damping_.mass_factor * half * (sums.start + end);
 }
@@ -215,13 +215,19 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
     restore();
   }
   const Multipliers multipliers = apply(constraints);
-  double works[3] = {blow_work_, damping_work_, load_work_};
+  double works[3] = {placing_work_ + blow_work_, damping_work_, load_work_};
   if (size_of(tissue_.comm()) > 1) {
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, works, 3, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
   }
-  trial_ = {u_.get(), v_.get(),       reaction_.get(),     multipliers.lambda,
-            0,        working_.get(), multipliers.working, works[0],
-            works[1], works[2]};
+  trial_ = {};
+  trial_.u = u_.get();
+  trial_.v = v_.get();
+  trial_.needed = {needed_.get(), multipliers.before};
+  trial_.working = {working_.get(), 0.5 * (multipliers.before + multipliers.after)};
+  trial_.settled = {settled_.get(), multipliers.after};
+  trial_.blow_work = works[0];
+  trial_.damping_work = works[1];
+  trial_.load_work = works[2];
   return trial_;
 }
 
@@ -243,21 +249,26 @@ bool ExplicitNewmark::places_same_dofs(const ConstraintSet& constraints) const {
 
 // Contact on the dofs that feel it; everything is local since the mass is diagonal.
 //
-// Around the end of a step, half a step is under `reaction`, then half a step under what a is left with.
-// They differ where a contact begins: by the blow that brings the dof to its given velocity.
+// Around the end of a step, half a step is under the needed forces, then half a step under the settled
+// ones, with which a is left. They differ where a contact begins: by the blow that brings the dof to
+// its given velocity v. Settled forces of the start and the means of both at the end, weighed alike,
+// miss of its work h/4 v (needed - settled), since they take the displacement of a step that was
+// slower.
 ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constraints) {
   Entries v(v_.get());
   Entries a(a_.get());
   Entries u(u_.get());
-  Entries reaction(reaction_.get());
+  Entries needed(needed_.get());
   Entries working(working_.get());
+  Entries settled(settled_.get());
   Entries mass(tissue_.lumped_mass());
-  for (const int dof : written_) reaction[dof] = working[dof] = 0;
+  for (const int dof : written_) needed[dof] = working[dof] = settled[dof] = 0;
   written_.clear();
   const int first = tissue_.first_dof();
   const double damped = 1 + 0.5 * h_ * damping_.mass_factor;
   const double half = 0.5 * h_;
   damping_work_ = free_damping_work_;
+  blow_work_ = 0;
   // The first record of a dof holds its free value; restored in reverse, it is written last.
   const auto change = [&](int dof, double new_v, double new_a) {
     overridden_.push_back({dof - first, v[dof], a[dof]});
@@ -280,9 +291,12 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
     const double m = mass[c.dof];
     const double given = c.velocity ? c.value : v[c.dof] - half * a[c.dof];
     const double excess = v[c.dof] - given;
+    const double before = -m * damped * 2 * excess / h_;
     const double after = -m * (a[c.dof] + damping_.mass_factor * excess);
-    reaction[c.dof] = -m * damped * 2 * excess / h_;
-    working[c.dof] = 0.5 * (reaction[c.dof] + after);
+    needed[c.dof] = before;
+    working[c.dof] = 0.5 * (before + after);
+    settled[c.dof] = after;
+    blow_work_ += 0.25 * h_ * given * (before - after);
     change(c.dof, given, 0);
   }
   trial_contact_ = constraints.forces;
@@ -305,22 +319,24 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
     }
     if (!(sums[3] > 0)) throw_all_held();
     const double steady = -sums[2] / sums[3];
-    const double wanted = mean.rate + (mean.value - sums[0]) / h_;
+    const double wanted = mean.rate + (mean.by_rate ? 0 : (mean.value - sums[0]) / h_);
     const double impulse = (wanted - sums[1]) / sums[3];
-    const double before = 2 * impulse / h_;
-    const double after = (steady + damping_.mass_factor * impulse) / damped;
-    multipliers = {before, 0.5 * (before + after)};
+    multipliers.before = 2 * impulse / h_;
+    multipliers.after = (steady + damping_.mass_factor * impulse) / damped;
+    const auto [before, after] = multipliers;
     for (const auto& [dof, weight] : mean.weights) trial_contact_.push_back({dof, after * weight});
     for (const auto& [dof, weight] : mean.weights) {
       if (!v.owns(dof)) continue;
       if (mobility(dof) == 0) {
         // The tip's share is not the constraint's.
-        reaction[dof] -= multipliers.lambda * weight;
-        working[dof] -= multipliers.working * weight;
+        needed[dof] -= before * weight;
+        working[dof] -= 0.5 * (before + after) * weight;
+        settled[dof] -= after * weight;
         continue;
       }
       change(dof, v[dof] + impulse * weight * mobility(dof),
              a[dof] + steady * weight * mobility(dof));
+      blow_work_ += 0.25 * h_ * v[dof] * weight * (before - after);
     }
   }
   std::ranges::reverse(overridden_);

@@ -45,7 +45,9 @@ void ImplicitNewmark::refresh_near() {
 }
 
 void ImplicitNewmark::watch(std::span<const int> nodes) {
-  if (near_) near_->include(dofs_of(nodes));
+  if (!near_) return;
+  watched_ = dofs_of(nodes);
+  if (!fresh_) near_->include(watched_);  // else once the operator is made
 }
 
 // Predictors, right-hand side and operator at the nodes whose rows changed; the same as `predict`
@@ -116,7 +118,6 @@ void ImplicitNewmark::predict_edited() {
 }
 
 Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
-  if (!edited_.empty()) predict_edited();
   std::vector<int> dofs;
   for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
   for (const auto& [dof, force] : constraints.forces) dofs.push_back(dof);
@@ -137,22 +138,24 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
   weights_.clear();
   double value = 0;
   if (constraints.mean) {
-    std::vector<DofValue> held;
-    value = constraints.mean->value;
+    double u = 0;
+    double v = 0;
+    double moved = 0;  // by held dofs
     for (const auto& [dof, weight] : constraints.mean->weights) {
       if (near_->eliminated(dof)) {
-        held.push_back({dof, weight});
+        const Vec vectors[3] = {u_guess_.get(), v_guess_.get(), held_increment_.get()};
+        const int one[1] = {dof};
+        const auto held = gather(vectors, one);
+        u += weight * held[0][0];
+        v += weight * held[1][0];
+        moved += weight * held[2][0];
         continue;
       }
       weights_.push_back({near_->at(dof), weight});
-      value -= weight * u_near_[weights_.back().at];
+      u += weight * u_near_[weights_.back().at];
+      v += weight * v_near_[weights_.back().at];
     }
-    for (const auto& [dof, weight] : held) {
-      const Vec vectors[2] = {u_guess_.get(), held_increment_.get()};
-      const int one[1] = {dof};
-      const auto u = gather(vectors, one);
-      value -= weight * (u[0][0] + u[1][0]);
-    }
+    value = place(constraints.mean->value, u, v) - u - moved;
     if (weights_.empty()) throw_all_held();
   }
   solution_ = near_->solve(extra_, given_, weights_, value);
@@ -166,11 +169,11 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
     v[dof] = v_near_[i] + speed() * solution_.x[i];
     reaction[dof] = solution_.reaction[i];
   }
-  return {u_.get(), v_.get(), reaction_.get(), solution_.lambda, 0};
+  return at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
 }
 
-Trial ImplicitNewmark::finish(bool) {
-  if (!near_) return trial_;
+// The last trial at all dofs.
+void ImplicitNewmark::complete_near() {
   check(VecCopy(rhs_base_.get(), rhs_.get()));
   {
     Entries rhs(rhs_.get());
@@ -196,7 +199,18 @@ Trial ImplicitNewmark::finish(bool) {
   if (held_move_) check(VecAXPY(increment_.get(), 1, held_increment_.get()));
   check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
   check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
-  trial_.lambda = solution_.lambda;
+}
+
+Trial ImplicitNewmark::finish(bool) {
+  if (near_) complete_near();
+  const HoldingForces forces{reaction_.get(), near_ ? solution_.lambda : trial_.settled.lambda};
+  if (twice_) {
+    trial_ = both_halves(forces);
+    trial_.damping_work = damping_between_halves();
+  } else if (near_) {
+    trial_ = at_end(u_.get(), v_.get(), forces);
+    if (has_blow_) settle();
+  }
   return trial_;
 }
 

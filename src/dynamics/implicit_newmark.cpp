@@ -32,8 +32,9 @@ StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity) {
 ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters)
     : tissue_(tissue),
       inertia_(parameters.method != TimeMethod::quasi_static),
-      k_(coefficients(parameters.scheme, parameters.rho_infinity)) {
-  if (!inertia_) k_ = {0, 0, 1, 0, 1};
+      scheme_(coefficients(inertia_ ? parameters.scheme : ImplicitScheme::backward_euler,
+                           parameters.rho_infinity)),
+      k_(scheme_) {
   if (NearField::serves(tissue.comm(), tissue.n_dofs())) {
     near_.emplace(tissue.comm(), tissue.n_dofs());
   } else {
@@ -61,45 +62,62 @@ void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
 void ImplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
   state_ = &state;
   load_ = load;
-  h_ = h;
+  step_ = h;
   held_.assign(held.begin(), held.end());
-  const bool anew = inertia_ ? h != operator_h_ : operator_h_ == 0;
+  fresh_ = true;
+  twice_ = false;
+  k_ = scheme_;
+  h_ = h;
+  from_ = {state.u.get(), state.v.get(), state.a.get()};
+}
+
+// The operator of the present coefficients, with all edits.
+void ImplicitNewmark::make_operator() {
+  const double shift_v = k_.g1 / (k_.c1 * h_);
+  const double shift_a = (1 - k_.alpha_m) / (k_.c1 * h_ * h_);
+  const bool anew = inertia_ ? shift_v != shift_v_ || shift_a != shift_a_ : shift_a_ == 0;
   if (anew) {
-    tissue_.make_tangent(
-        inertia_ ? tissue_.tangent(k_.g1 / (k_.c1 * h), (1 - k_.alpha_m) / (k_.c1 * h * h))
-                 : Combination{0, 1});
+    tissue_.make_tangent(inertia_ ? tissue_.tangent(shift_v, shift_a) : Combination{0, 1});
     near_ ? near_->forget() : solver_->forget();
   }
-  operator_h_ = h;
-  predict();
+  shift_v_ = shift_v;
+  shift_a_ = shift_a;
   if (!near_) return;
-  hold();
-  Mat a = tissue_.tangent_matrix();
   if (near_->wants_factor()) {
-    near_->factor(a, held);
+    near_->factor(tissue_.tangent_matrix(), held_);
   } else if (!edited_.empty()) {
-    near_->changed(a, dofs_of(edited_));
+    near_->changed(tissue_.tangent_matrix(), dofs_of(edited_));
   }
   edited_.clear();
+}
+
+// What held dofs take of the right-hand side, and the near field's solution for what is left.
+void ImplicitNewmark::prepare() {
+  make_operator();
+  if (!near_) return;
+  if (held_move_) {
+    check(MatMult(tissue_.tangent_matrix(), held_increment_.get(), work_.get()));
+    check(VecAXPY(rhs_base_.get(), -1, work_.get()));
+  }
   check(VecCopy(rhs_base_.get(), rhs_.get()));
   for (const auto& c : held_) set_owned(rhs_.get(), c.dof, 0);
   near_->load(rhs_.get());
   u_near_.clear();
   v_near_.clear();
   change_.clear();
+  near_->include(watched_);
   refresh_near();
 }
 
-// Predictors from the state as it is now, and the forces that they leave unbalanced.
+// Predictors from the start, the forces that they leave unbalanced, and increments of held dofs.
 void ImplicitNewmark::predict() {
-  const Vec u0 = state_->u.get();
-  const Vec v0 = state_->v.get();
-  const Vec a0 = state_->a.get();
+  const auto [u0, v0, a0] = from_;
   check(VecCopy(u0, u_guess_.get()));
   if (!inertia_) {
     check(VecSet(v_guess_.get(), 0));
     check(MatMult(tissue_.stiffness(), u_guess_.get(), work_.get()));
     check(VecWAXPY(rhs_base_.get(), -1, work_.get(), load_));
+    hold();
     return;
   }
   check(VecAXPY(u_guess_.get(), h_, v0));
@@ -118,40 +136,63 @@ void ImplicitNewmark::predict() {
     check(VecAXPY(rhs_base_.get(), 1, reaction_.get()));
   }
   check(VecAYPX(rhs_base_.get(), -1, load_));
+  hold();
 }
 
 // The unknown that gives a dof its displacement or velocity; u, v: its predictors.
 double ImplicitNewmark::increment_of(const PrescribedDof& c, double u, double v) const {
-  return c.velocity ? (c.value - v) / speed() : c.value - u;
+  return c.velocity ? (c.value - v) / speed() : place(c.value, u, v) - u;
 }
 
-// Increments of held dofs, and what they take of the right-hand side.
+// Where a displacement that ends at `end` is at the end of this stage; u, v: its predictors.
+double ImplicitNewmark::place(double end, double u, double v) const {
+  // Half-way, with the velocity of the whole step. Backward Euler predicts by u0 + h v0, v0.
+  return halfway_ ? 0.5 * (end + u - h_ * v) : end;
+}
+
 void ImplicitNewmark::hold() {
   const Values u(u_guess_.get());
   const Values v(v_guess_.get());
-  int moves = 0;
+  double size[2] = {0, 0};  // increment, velocity
   for (const auto& c : held_) {
     if (!u.owns(c.dof)) continue;
     const double value = increment_of(c, u[c.dof], v[c.dof]);
-    if (value != 0) moves = 1;
     set_owned(held_increment_.get(), c.dof, value);
+    size[0] = std::max(size[0], std::abs(value));
+    size[1] = std::max(size[1], std::abs(v[c.dof] + speed() * value));
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &moves, 1, MPI_INT, MPI_MAX, tissue_.comm()));
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, size, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm()));
   }
-  held_move_ = moves != 0;
-  if (!held_move_) return;
-  check(MatMult(tissue_.tangent_matrix(), held_increment_.get(), work_.get()));
-  check(VecAXPY(rhs_base_.get(), -1, work_.get()));
+  held_move_ = size[0] != 0;
+  fastest_ = std::max(fastest_, size[1]);
+  held_begin_ = inertia_ && size[0] > at_once * h_ * fastest_;
 }
 
 Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
-  trial_ = near_ ? attempt_near(constraints) : attempt_whole(constraints, edited);
+  if (fresh_) {
+    predict();
+  } else if (!twice_ && near_ && !edited_.empty()) {
+    predict_edited();
+  } else if (!twice_ && !near_ && edited) {
+    predict();
+  }
+  // It needs the predictors of the whole step, which two half steps leave.
+  const bool begins = twice_ || held_begin_ || needle_begins(constraints);
+  if (!damps_at_once() && (begins || (inertia_ && constraints.load_jumps))) {
+    twice_ = true;
+    trial_ = attempt_twice(constraints);
+  } else {
+    if (fresh_) prepare();
+    trial_ = near_ ? attempt_near(constraints) : attempt_whole(constraints);
+    has_blow_ = begins;
+    if (has_blow_) take_off_blow(constraints);
+  }
+  fresh_ = false;
   return trial_;
 }
 
-Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints, bool edited) {
-  if (edited) predict();
+Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints) {
   check(VecCopy(rhs_base_.get(), rhs_.get()));
   {
     Entries b(rhs_.get());
@@ -171,31 +212,38 @@ Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints, bool edit
     std::ranges::for_each(held_, add);
     std::ranges::for_each(constraints.dofs, add);
     if (mean) {
-      double before = 0;
+      double before[2] = {0, 0};  // of the predictors
       for (const auto& [dof, weight] : mean->weights) {
-        if (u.owns(dof)) before += weight * u[dof];
+        if (!u.owns(dof)) continue;
+        before[0] += weight * u[dof];
+        before[1] += weight * v[dof];
       }
       if (size_of(tissue_.comm()) > 1) {
-        check_mpi(MPI_Allreduce(MPI_IN_PLACE, &before, 1, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+        check_mpi(MPI_Allreduce(MPI_IN_PLACE, before, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
       }
-      mean->value -= before;
+      mean->value = place(mean->value, before[0], before[1]) - before[0];
     }
   }
   const auto result = solver_->solve(tissue_.tangent_matrix(), rhs_.get(), given,
                                      mean ? &*mean : nullptr, increment_.get(), reaction_.get());
   check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
   check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
-  return {u_.get(), v_.get(), reaction_.get(), result.lambda, result.iterations};
+  Trial trial = at_end(u_.get(), v_.get(), {reaction_.get(), result.lambda});
+  trial.iterations = result.iterations;
+  return trial;
 }
 
 void ImplicitNewmark::accept() {
+  if (!twice_ && !damps_at_once()) fit_places();
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
   if (inertia_) {
     check(VecCopy(increment_.get(), state_->a.get()));
     check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
   }
-  state_->t += h_;
+  state_->t += step_;
+  last_given_ = given_dofs_;
+  had_mean_ = has_mean_;
 }
 
 }  // namespace stylet

@@ -187,7 +187,7 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
       reaction[dof] = solution_.reaction[i];
     }
   }
-  trial_ = {u_.get(), v_.get(), reaction_.get(), solution_.lambda, 0};
+  trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
   return trial_;
 }
 
@@ -220,7 +220,7 @@ Trial QuasiStatic::finish(bool whole) {
   if (loaded_) check(VecAXPY(u_.get(), 1, held_u_.get()));
   check(VecWAXPY(v_.get(), -1, state_->u.get(), u_.get()));
   check(VecScale(v_.get(), 1 / h_));
-  trial_.lambda = solution_.lambda;
+  trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
   return trial_;
 }
 

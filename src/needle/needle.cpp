@@ -385,6 +385,7 @@ ConstraintSet Needle::constraints(const Mesh& mesh) const {
   if (tip_ == TipContact::stick) {
     mean.value = step_.to - Axis::along(mesh.point(track_.tip()));
     mean.rate = step_.speed();
+    mean.by_rate = holds_by_rate();
     set.mean = mean;
   }
   return set;
@@ -398,10 +399,15 @@ double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
     mean_v += share * Axis::along(trial.at(node).v);
   }
   const double gap = step_.to - Axis::along(mesh.point(track_.tip())) - mean_u;
-  return velocity_level_ ? gap + step_.h * (step_.speed() - mean_v) : gap;
+  if (!velocity_level_) return gap;
+  const double closing = step_.h * (step_.speed() - mean_v);
+  // Tissue that a condition by rate left ahead of the tip, or behind it, touches it.
+  if (holds_by_rate())
+    return (tip_ == TipContact::open ? std::min(gap, 0.0) : std::max(gap, 0.0)) + closing;
+  return gap + closing;
 }
 
-bool Needle::review(const Mesh& mesh, const TrialView& trial, double lambda) {
+bool Needle::review(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda) {
   if (parameters_.friction && !review_friction(mesh, trial)) {
     forget_search();  // another contact, another gap
     return false;
@@ -459,16 +465,18 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
   return false;
 }
 
-bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, double lambda) {
+bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda) {
   switch (tip_) {
     case TipContact::stick: {
-      if (lambda < -slack()) {
+      if (lambda.needed < -slack()) {
         tip_ = TipContact::open;
         return false;
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
       const double limit = membrane_ ? tissue_.puncture_force : threshold(mesh);
-      if (lambda <= limit * (1 + force_slack) + slack()) return true;
+      // Not by the blow; and where a blow holds tissue back that was ahead, a cut would let it go on.
+      const double force = std::min(lambda.needed, lambda.settled);
+      if (force <= limit * (1 + force_slack) + slack()) return true;
       if (holds_beyond_) throw_no_solution();
       if (membrane_) {
         puncture();
@@ -543,8 +551,10 @@ void Needle::book_work(const NeedleView& start,
                        double end_weight,
                        NeedleStepReport& report) {
   for (const auto& shaft : track_.nodes()) {
-    if (shaft.attached)
-      force_on(forces, shaft.node).across = Axis::across(trial.at(shaft.node).working);
+    if (!shaft.attached) continue;
+    NodeForce& force = force_on(forces, shaft.node);
+    force.across = Axis::across(trial.at(shaft.node).working);
+    force.settled_across = Axis::across(trial.at(shaft.node).settled);
   }
   // Forces that have ended worked on the way to the end of the step.
   for (const auto& last : last_forces_) force_on(forces, last.node);
@@ -555,13 +565,15 @@ void Needle::book_work(const NeedleView& start,
     const auto mean = [&](double then, double end) {
       return (1 - end_weight) * then + end_weight * end;
     };
-    const double along = mean(last.along, now.along);
+    const double along = mean(last.settled_along, now.along);
+    const double across = mean(last.settled_across, now.across);
     // The needle guides a node that joins it on to its axis: work too.
     const Vector2 moved = trial.at(now.node).u - start.at(now.node).u;
-    report.work += along * hand + mean(last.across, now.across) * Axis::across(moved);
+    report.work += along * hand + across * Axis::across(moved);
     report.dissipated += along * (hand - Axis::along(moved));
   }
-  std::erase_if(forces, [](const NodeForce& f) { return f.along == 0 && f.across == 0; });
+  std::erase_if(forces,
+                [](const NodeForce& f) { return f.settled_along == 0 && f.settled_across == 0; });
   last_forces_ = std::move(forces);
 }
 
@@ -590,12 +602,14 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
   const double v = step_.speed();
   if (tip_ == TipContact::cut) lambda = threshold(mesh);
   if (tip_ == TipContact::open) lambda = 0;
-  report.forces.tip = lambda.end;
+  report.forces.tip = lambda.settled;
   last_tip_force_ = report.forces.tip;
-  check_tip(mesh, trial, lambda.end);
+  check_tip(mesh, trial, std::min(lambda.needed, lambda.settled));
   std::vector<NodeForce> forces;
   for (const auto& [node, share] : tip_shares(mesh)) {
-    forces.push_back({node, share * lambda.working});
+    NodeForce& force = force_on(forces, node);
+    force.along = share * lambda.working;
+    force.settled_along = share * lambda.settled;
   }
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     const bool level = velocity_level_;
@@ -612,11 +626,12 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
       const auto& node = trial.at(shaft.node);
       const double relative = v - Axis::along(node.v);
       const bool sticks = shaft.contact == Contact::stick;
-      const double force = sticks
-                               ? Axis::along(node.reaction)
-                               : shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
-      report.forces.friction += force;
-      force_on(forces, shaft.node).along += sticks ? Axis::along(node.working) : force;
+      const double slip = shaft.slip_sign * parameters_.friction->kinetic_force * lengths[i];
+      const double settled = sticks ? Axis::along(node.settled) : slip;
+      report.forces.friction += settled;
+      NodeForce& on_node = force_on(forces, shaft.node);
+      on_node.settled_along += settled;
+      on_node.along += sticks ? Axis::along(node.working) : slip;
       ++(sticks ? report.n_stick : report.n_slip);
       if (!sticks && std::abs(relative) < parameters_.friction->stick_speed) {
         shaft.contact = Contact::stick;

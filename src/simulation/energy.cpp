@@ -144,7 +144,7 @@ void EnergyLedger::add(const TissueOperator& tissue,
   if (loaded) {
     const double at_end = dot(load1, increment_.get());
     const double at_start = load0 == nullptr ? at_end : dot(load0, increment_.get());
-    energies_.external += (1 - end_weight_) * at_start + end_weight_ * at_end;
+    energies_.external += (1 - end_weight(end)) * at_start + end_weight(end) * at_end;
     if (is_explicit_) energies_.external += onset_work(tissue, end, h, load0, load1);
   }
   // In implicit schemes damping acts on the mean velocity of the step, increment / h. Explicit ones take

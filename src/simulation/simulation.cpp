@@ -28,6 +28,10 @@ constexpr int most_passes = 500;
 constexpr double wanted_quality = 0.2;
 constexpr double quality_floor = 0.02;
 
+Multiplier multiplier(const Trial& trial) {
+  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda};
+}
+
 double estimated_time(const Scene& scene, const Mesh& mesh) {
   double total = scene.needles.empty() ? scene.time.duration : 0;
   for (const auto& needle : scene.needles) {
@@ -169,20 +173,24 @@ StepRecord Simulation::step_unguarded() {
     longest = std::min(wanted, integrator_->stable_step());
     record.h += sub_step(longest, record);
     ++record.sub_steps;
+    counts_.peak_needle_force =
+        std::max(counts_.peak_needle_force, std::abs(record.needle.forces.total()));
     if (motion().finished()) break;
   }
   act_without_time();
   if (done_ || needle != this->needle() || motion().index() != action || state_.t >= next_strain_) {
     watch_strain();
   }
-  if (track_energy_ || done_) ledger_.weigh(*tissue_, state_);
+  if (done_) {
+    ledger_.weigh(*tissue_, state_);
+  } else if (track_energy_) {
+    ledger_.measure(*tissue_, state_);
+  }
   record.t = state_.t;
   if (record.sub_steps > 0) ++counts_.steps;
   counts_.sub_steps += record.sub_steps;
   counts_.passes += record.passes;
   counts_.iterations += record.iterations;
-  counts_.peak_needle_force =
-      std::max(counts_.peak_needle_force, std::abs(record.needle.forces.total()));
   return record;
 }
 
@@ -320,6 +328,7 @@ ConstraintSet Simulation::needle_constraints(const Needle* active) const {
 double Simulation::sub_step(double longest, StepRecord& record) {
   NeedleStep step = motion().next(longest);
   const bool load_changes = conditions_.load_changes(state_.t, state_.t + step.h);
+  const bool load_jumps = load_changes || (state_.t == 0 && conditions_.has_load());
   const auto begin = [&] {
     const double t1 = state_.t + step.h;
     if (load_changes) update_load(t1);
@@ -353,10 +362,13 @@ double Simulation::sub_step(double longest, StepRecord& record) {
       shaft = active->loaded_nodes(mesh());
       integrator_->watch(shaft);
     }
-    trial = integrator_->attempt(needle_constraints(active), edited);
+    ConstraintSet set = needle_constraints(active);
+    set.load_jumps = load_jumps;
+    trial = integrator_->attempt(set, edited);
     ++record.passes;
     record.iterations += trial.iterations;
-    if (active == nullptr || active->review(mesh(), trial_view(shaft, trial), trial.lambda)) break;
+    if (active == nullptr || active->review(mesh(), trial_view(shaft, trial), multiplier(trial)))
+      break;
     if (pass == most_passes) {
       throw NumericalError("the contact of needle '" + active->parameters().name +
                            "' does not settle after " + std::to_string(pass) +
@@ -366,8 +378,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   trial = integrator_->finish(active == nullptr || conditions_.has_load() ||
                               !scene_.prescribed.empty() || ends_settled);
   if (active != nullptr) {
-    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial),
-                            {trial.lambda, trial.working_multiplier()}, ledger_.end_weight());
+    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial), multiplier(trial),
+                            ledger_.end_weight(trial));
   }
   accept(trial, step.h, report);
   largest_tip_force_ = std::max(largest_tip_force_, report.forces.tip);
@@ -413,10 +425,10 @@ void Simulation::end_open_action(double t0) {
 // Work of the forces on prescribed curves in a step that is about to be accepted (J).
 double Simulation::prescribed_work(const Trial& trial) const {
   double work = 0;
-  const double end = ledger_.end_weight();
+  const double end = ledger_.end_weight(trial);
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
-      const Vec vectors[4] = {reaction_.get(), trial.working_reaction(), state_.u.get(), trial.u};
+      const Vec vectors[4] = {reaction_.get(), trial.working.reaction, state_.u.get(), trial.u};
       const auto values = gather(vectors, conditions_.curve_dofs(i, k));
       for (std::size_t n = 0; n < values[0].size(); ++n) {
         work += ((1 - end) * values[0][n] + end * values[1][n]) * (values[3][n] - values[2][n]);
@@ -432,7 +444,7 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
   const Vec load0 = load_changed_ ? last_load_.get() : nullptr;
   ledger_.add(*tissue_, state_, trial, h, load0, last_load_ ? load_.get() : nullptr, external,
               report.dissipated);
-  if (reaction_) check(VecCopy(trial.working_reaction(), reaction_.get()));
+  if (reaction_) check(VecCopy(trial.settled.reaction, reaction_.get()));
   integrator_->accept();
   if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
   load_changed_ = false;
@@ -523,12 +535,13 @@ NeedleView Simulation::start_view(std::span<const int> nodes) const {
 }
 
 TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
-  const Vec vectors[4] = {trial.u, trial.v, trial.reaction, trial.working_reaction()};
+  const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
+                          trial.settled.reaction};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
-    trials.push_back({of(0), of(1), of(2), of(3)});
+    trials.push_back({of(0), of(1), of(2), of(3), of(4)});
   }
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
 }

@@ -25,12 +25,16 @@ struct MeanCondition {
   std::vector<DofValue> weights;
   double value = 0;
   double rate = 0;
+  /// Only the rate is asked for: a gap that was there when the contact began stays. For integrators that
+  /// decide by velocity.
+  bool by_rate = false;
 };
 
 struct ConstraintSet {
   std::vector<PrescribedDof> dofs;  ///< each dof at most once
   std::optional<MeanCondition> mean;
   std::vector<DofValue> forces;  ///< N, on dofs
+  bool load_jumps = false;       ///< other forces on the tissue begin in this step
 };
 
 /// Throws NumericalError: a mean condition whose dofs are all held.

@@ -6,8 +6,8 @@
 // C_m = mass_factor M is diagonal and implicit; stiffness damping acts at the half-step velocity and
 // lowers the stable step from 2/omega to 2 (sqrt(1 + xi^2) - xi)/omega, xi = stiffness_factor
 // omega / 2. A prescribed dof has a1 = 0 and the given velocity, so that its reaction does not ring.
-// The mean condition has w . a1 = 0 and a velocity that reaches its value at the end of the next
-// step. The forces of contact are those that bring the free velocities to the given ones.
+// The mean condition has w . a1 = 0 and the given rate, or a velocity that reaches its value at the end
+// of the next step. The forces of contact are those that bring the free velocities to the given ones.
 #pragma once
 
 #include "stylet/dynamics/eigenvalue_bound.hpp"
@@ -40,10 +40,10 @@ class ExplicitNewmark final : public TimeIntegrator {
     double v;
     double a;
   };
-  /// The tip's condition (N), as in Trial.
+  /// Of the tip's condition (N), just before the end of the step and just after it.
   struct Multipliers {
-    double lambda = 0;
-    double working = 0;
+    double before = 0;
+    double after = 0;
   };
   void make_kernel(const Mesh& mesh);
   [[nodiscard]] bool agreed(bool yes) const;
@@ -72,21 +72,23 @@ class ExplicitNewmark final : public TimeIntegrator {
   std::vector<FreeValue> overridden_;
   std::vector<int> placed_;        ///< dofs with a given place, of all ranks
   std::vector<GivenPlace> given_;  ///< the owned ones, by local index, ascending
-  double blow_work_ = 0;           ///< J
+  double placing_work_ = 0;        ///< by given places (J)
+  double blow_work_ = 0;           ///< by contacts that begin (J)
   double free_damping_work_ = 0;   ///< by mass damping, before contact (J)
   double damping_work_ = 0;
   double load_work_ = 0;
   std::vector<DofValue> trial_contact_;  ///< forces of the needle just after the step (N)
   std::vector<DofValue> contact_;        ///< the same of the last accepted step
   std::vector<PrescribedDof> kept_;      ///< by the needle, there
-  std::vector<int> written_;  ///< entries of reaction_ and working_ that need not be zero
+  std::vector<int> written_;             ///< entries of forces that need not be zero
   OwnedVec u_;
   OwnedVec v_;
   OwnedVec a_;
   OwnedVec stretched_;         ///< with ghosts
   std::vector<double> force_;  ///< with ghosts, on several ranks
-  OwnedVec reaction_;
+  OwnedVec needed_;
   OwnedVec working_;
+  OwnedVec settled_;
 };
 
 /// Stable step of one mode (s): omega^2 in (rad/s)^2, stiffness damping in s.

@@ -10,25 +10,41 @@
 
 namespace stylet {
 
-/// The end of a step as tried. The vectors are lent until the next call.
-struct Trial {
-  Vec u = nullptr;         ///< displacement at the end of the step (m)
-  Vec v = nullptr;         ///< velocity (m/s)
-  Vec reaction = nullptr;  ///< force that each prescribed dof needs (N), zero elsewhere
+/// What given motion needs.
+struct HoldingForces {
+  Vec reaction = nullptr;  ///< at each prescribed dof (N), zero elsewhere
   double lambda = 0;       ///< multiplier of the mean condition (N), 0 without one
-  int iterations = 0;      ///< of linear solvers
-  /// Central difference only, where a contact that begins gives a blow at the end of the step: means of
-  /// reaction and lambda just before and just after it, which are the forces that do work.
-  Vec working = nullptr;
-  double working_lambda = 0;
-  [[nodiscard]] Vec working_reaction() const { return working != nullptr ? working : reaction; }
-  [[nodiscard]] double working_multiplier() const {
-    return working != nullptr ? working_lambda : lambda;
-  }
-  double blow_work = 0;     ///< done in this step by bringing dofs to their given places (J)
+};
+
+/// The end of a step as tried. The vectors are lent until the next call.
+///
+/// Where given motion begins, or changes its speed, at once, the tissue gets a blow: an impulse, which
+/// over a step counts as a force that grows without bound on shorter ones.
+struct Trial {
+  Vec u = nullptr;  ///< displacement at the end of the step (m)
+  Vec v = nullptr;  ///< velocity (m/s)
+  /// With any blow: they exclude that the tissue moves otherwise.
+  HoldingForces needed;
+  /// These times the displacements of the step are the work.
+  HoldingForces working;
+  /// At the end of the step, after any blow: what cuts, punctures and is reported.
+  HoldingForces settled;
+  /// The working forces are means over the step, and those at its start have no share in its work.
+  bool means = false;
+  int iterations = 0;       ///< of linear solvers
+  double blow_work = 0;     ///< done in this step by blows, apart from the working forces (J)
   double damping_work = 0;  ///< done on the damping of mass (J)
   double load_work = 0;     ///< done by the load of its end (J)
 };
+
+/// Forces at the end of a step without a blow.
+[[nodiscard]] inline Trial at_end(Vec u, Vec v, HoldingForces forces) {
+  Trial trial;
+  trial.u = u;
+  trial.v = v;
+  trial.needed = trial.working = trial.settled = forces;
+  return trial;
+}
 
 class TimeIntegrator {
  public:

@@ -61,20 +61,24 @@ struct NeedleTissue {
   EarlierCuts earlier;                   ///< of the needles before
 };
 
-/// Of the needle on a node (N).
+/// Of the needle on a node (N): what does work in a step, and what is left at its end, as in Trial.
 struct NodeForce {
   int node;
   double along = 0;
   double across = 0;
+  double settled_along = 0;
+  double settled_across = 0;
 };
 
 /// Of the tip's condition (N), as in Trial.
 struct Multiplier {
-  // NOLINTNEXTLINE(google-explicit-constructor): one number where both are the same
-  Multiplier(double both) : end(both), working(both) {}
-  Multiplier(double at_end, double that_works) : end(at_end), working(that_works) {}
-  double end;
+  // NOLINTNEXTLINE(google-explicit-constructor): one number where all are the same
+  Multiplier(double all) : needed(all), working(all), settled(all) {}
+  Multiplier(double with_blow, double that_works, double after_blow)
+      : needed(with_blow), working(that_works), settled(after_blow) {}
+  double needed;
   double working;
+  double settled;
 };
 
 class Needle {
@@ -101,7 +105,7 @@ class Needle {
   NeedleEdits plan(const Mesh& mesh, const NeedleView& start);
   [[nodiscard]] ConstraintSet constraints(const Mesh& mesh) const;
   /// True: the step is accepted. Throws NumericalError where the advance has no solution.
-  bool review(const Mesh& mesh, const TrialView& trial, double lambda);
+  bool review(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda);
   /// start: the loaded nodes after the last edits; end_weight: of the forces at the end of the step in
   /// its work, those at its start have the rest.
   NeedleStepReport commit(const Mesh& mesh,
@@ -150,11 +154,15 @@ class Needle {
   [[nodiscard]] End find_end() const;
   [[nodiscard]] std::optional<double> crossing(double length) const;
   void pass_end();
+  /// A place to be reached in one step would be a blow: the gap is left to later cuts.
+  [[nodiscard]] bool holds_by_rate() const {
+    return velocity_level_ && parameters_.cutting.law == CuttingLaw::lagged;
+  }
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
   [[nodiscard]] std::vector<NodeShare> tip_shares(const Mesh& mesh) const;
   [[nodiscard]] std::vector<double> friction_lengths(const Mesh& mesh) const;
   bool review_friction(const Mesh& mesh, const TrialView& trial);
-  bool review_tip(const Mesh& mesh, const TrialView& trial, double lambda);
+  bool review_tip(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda);
   bool cut_further(double gap);
   [[noreturn]] void throw_no_solution() const;
   void check_tip(const Mesh& mesh, const TrialView& trial, double lambda) const;

@@ -20,8 +20,9 @@ struct NodeState {
 struct NodeTrial {
   Vector2 u;         ///< m
   Vector2 v;         ///< m/s
-  Vector2 reaction;  ///< N, of the prescribed dofs
-  Vector2 working;   ///< N, what of it does work: as in Trial
+  Vector2 reaction;  ///< N, needed by the prescribed dofs
+  Vector2 working;   ///< N, as in Trial
+  Vector2 settled;   ///< N, as in Trial
 };
 
 /// Values of some nodes.

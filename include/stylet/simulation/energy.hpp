@@ -56,9 +56,14 @@ class EnergyLedger {
 
   /// Weight of the forces at the end of a step, those at its start have the rest: what makes the
   /// work exact in the scheme.
-  [[nodiscard]] double end_weight() const { return end_weight_; }
+  [[nodiscard]] double end_weight(const Trial& trial) const {
+    return trial.means ? 1 : end_weight_;
+  }
   [[nodiscard]] bool due() const { return unchecked_ >= interval_; }
 
+  /// Collective, after a step. Kinetic and strain energy for the record; what is checked, and when, does
+  /// not depend on it.
+  void measure(const TissueOperator& tissue, const State& state);
   /// Collective, after a step. Throws NumericalError if there is more energy than work was done.
   void weigh(const TissueOperator& tissue, const State& state);
   /// The same without inertia, where the strain energy is known (J).
@@ -73,7 +78,6 @@ class EnergyLedger {
 
  private:
   void compare();
-  void measure(const TissueOperator& tissue, const State& state);
   [[nodiscard]] double onset_work(
       const TissueOperator& tissue, const Trial& end, double h, Vec load0, Vec load1) const;
 

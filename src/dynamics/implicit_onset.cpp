@@ -1,0 +1,214 @@
+// Steps of ImplicitNewmark in which given motion begins, changes its speed or ends.
+#include "stylet/dynamics/implicit_newmark.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stylet {
+
+// Whether the needle gives tissue another velocity at once, or lets it go. Contacts that friction bounds
+// give no blow: what they excite, schemes that damp forget, and average acceleration does not.
+bool ImplicitNewmark::needle_begins(const ConstraintSet& constraints) {
+  given_dofs_.clear();
+  placed_.clear();
+  for (const auto& c : constraints.dofs) {
+    given_dofs_.push_back(c.dof);
+    if (!c.velocity) placed_.push_back(c.dof);
+  }
+  std::ranges::sort(given_dofs_);
+  has_mean_ = constraints.mean.has_value();
+  if (!inertia_ || (damps_at_once() && !has_mean_)) return false;
+  if (had_mean_ && !has_mean_) return true;
+  const bool keeps_all = scheme_.c0 != 0 && scheme_.alpha_m == 0;
+  if (keeps_all && !std::ranges::includes(given_dofs_, last_given_)) return true;
+  std::vector<int> dofs;
+  for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
+  if (has_mean_) {
+    for (const auto& [dof, weight] : constraints.mean->weights) dofs.push_back(dof);
+  }
+  const Vec vectors[2] = {u_guess_.get(), v_guess_.get()};
+  const auto guess = gather(vectors, dofs);
+  double guided = 0;
+  double stuck = 0;
+  std::size_t i = 0;
+  for (const auto& c : constraints.dofs) {
+    const double x = increment_of(c, guess[0][i], guess[1][i]);
+    fastest_ = std::max(fastest_, std::abs(guess[1][i] + speed() * x));
+    if (c.velocity && keeps_all) stuck = std::max(stuck, std::abs(x));
+    if (!c.velocity && fresh_) guided = std::max(guided, std::abs(x));
+    ++i;
+  }
+  double pushed = 0;
+  if (has_mean_) {
+    pushed = constraints.mean->value;
+    for (const auto& [dof, weight] : constraints.mean->weights) pushed -= weight * guess[0][i++];
+    fastest_ = std::max(fastest_, std::abs(constraints.mean->rate));
+  }
+  // Fields of nodes that edits move are interpolated: the needle takes them on to its axis, slowly. That is
+  // looked at once a step, since the search for the advance needs a gap without jumps.
+  constexpr double slow = 0.1;  // of the fastest so far
+  constexpr double noise = 1e-3;
+  if (!damps_at_once() && (guided > slow * h_ * fastest_ || stuck > noise * h_ * fastest_)) {
+    return true;
+  }
+  return std::abs(pushed) > at_once * h_ * fastest_;
+}
+
+// Slow guidance, which is no onset, must not go on and on either.
+void ImplicitNewmark::fit_places() {
+  const Values before(state_->u.get());
+  const Values after(u_.get());
+  Entries v(v_.get());
+  Entries increment(increment_.get());
+  for (const int dof : placed_) {
+    if (!v.owns(dof)) continue;
+    v[dof] = (after[dof] - before[dof]) / step_;
+    increment[dof] = 0;
+  }
+}
+
+Trial ImplicitNewmark::attempt_twice(const ConstraintSet& constraints) {
+  const auto half = [&](Vec u, Vec v) {
+    from_ = {u, v, state_->a.get()};
+    predict();
+    prepare();
+    return near_ ? attempt_near(constraints) : attempt_whole(constraints);
+  };
+  for (OwnedVec* vec : {&middle_u_, &middle_v_, &first_reaction_, &mean_reaction_}) {
+    if (!*vec) *vec = tissue_.make_vector();
+  }
+  k_ = coefficients(ImplicitScheme::backward_euler, 0);
+  h_ = 0.5 * step_;
+  halfway_ = true;
+  const Trial first = half(state_->u.get(), state_->v.get());
+  if (near_) complete_near();
+  check(VecCopy(u_.get(), middle_u_.get()));
+  check(VecCopy(v_.get(), middle_v_.get()));
+  check(VecCopy(reaction_.get(), first_reaction_.get()));
+  first_lambda_ = near_ ? solution_.lambda : first.settled.lambda;
+  halfway_ = false;
+  const Trial second = half(middle_u_.get(), middle_v_.get());
+  Trial trial = both_halves(second.settled);
+  trial.iterations = first.iterations + second.iterations;
+  return trial;
+}
+
+Trial ImplicitNewmark::both_halves(const HoldingForces& second) {
+  check(VecWAXPY(mean_reaction_.get(), 1, first_reaction_.get(), second.reaction));
+  check(VecScale(mean_reaction_.get(), 0.5));
+  Trial trial =
+      at_end(u_.get(), v_.get(), {mean_reaction_.get(), 0.5 * (first_lambda_ + second.lambda)});
+  trial.settled = second;
+  trial.means = true;
+  return trial;
+}
+
+// Damping works on the velocities of both halves; the ledger books it on their mean.
+double ImplicitNewmark::damping_between_halves() {
+  if (!tissue_.damping()) return 0;
+  Vec difference = rhs_.get();
+  check(VecCopy(middle_u_.get(), difference));
+  check(VecAXPBYPCZ(difference, -1, -1, 2, state_->u.get(), u_.get()));
+  double energy = 0;
+  const auto add = [&](double factor) {
+    PetscScalar value = 0;
+    check(VecDot(difference, work_.get(), &value));
+    energy += factor * value / step_;
+  };
+  if (tissue_.damping()->mass_factor != 0) {
+    tissue_.apply_mass(difference, work_.get());
+    add(tissue_.damping()->mass_factor);
+  }
+  if (tissue_.damping()->stiffness_factor != 0) {
+    check(MatMult(tissue_.stiffness(), difference, work_.get()));
+    add(tissue_.damping()->stiffness_factor);
+  }
+  return energy;
+}
+
+// Backward Euler takes a blow at the start of the step as one more force over all of it; the motion is the
+// same. The blow is what the mass alone needs to get the velocities of the step.
+void ImplicitNewmark::take_off_blow(const ConstraintSet& constraints) {
+  for (OwnedVec* vec : {&blow_, &jump_, &settled_}) {
+    if (*vec) continue;
+    *vec = tissue_.make_vector();
+    check(VecSet(vec->get(), 0));
+  }
+  std::vector<DofValue> given;
+  std::optional<MeanCondition> mean = constraints.mean;
+  {
+    std::vector<int> dofs;
+    for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
+    if (mean) {
+      for (const auto& [dof, weight] : mean->weights) dofs.push_back(dof);
+    }
+    const Vec vectors[1] = {u_guess_.get()};
+    const auto u = gather(vectors, dofs)[0];
+    const Values moved(held_increment_.get());
+    for (const auto& c : held_) {
+      given.push_back({c.dof, moved.owns(c.dof) ? moved[c.dof] / h_ : 0});
+    }
+    std::size_t i = 0;
+    for (const auto& c : constraints.dofs) {
+      if (!c.velocity) given.push_back({c.dof, (c.value - u[i]) / h_});
+      ++i;
+    }
+    if (mean) {
+      for (const auto& [dof, weight] : mean->weights) mean->value -= weight * u[i++];
+      mean->value /= h_;
+    }
+  }
+  if (tissue_.mass() != nullptr) {
+    if (!mass_solver_) mass_solver_.emplace(tissue_.comm());
+    check(VecSet(work_.get(), 0));
+    const auto result = mass_solver_->solve(tissue_.mass(), work_.get(), given,
+                                            mean ? &*mean : nullptr, jump_.get(), blow_.get());
+    blow_lambda_ = result.lambda;
+  } else {
+    blow_lumped(given, mean ? &*mean : nullptr);
+  }
+  settle();
+}
+
+void ImplicitNewmark::blow_lumped(std::span<const DofValue> given, const MeanCondition* mean) {
+  check(VecSet(blow_.get(), 0));
+  check(VecSet(jump_.get(), 0));
+  Entries blow(blow_.get());
+  Entries jump(jump_.get());
+  const Values mass(tissue_.lumped_mass());
+  for (const auto& [dof, value] : given) {
+    if (!mass.owns(dof)) continue;
+    jump[dof] = value;
+    blow[dof] = mass[dof] * value;
+  }
+  blow_lambda_ = 0;
+  if (mean == nullptr) return;
+  double sums[2] = {0, 0};  // what given dofs reach, mobility of the others
+  const auto is_given = [&](int dof) {
+    return std::ranges::find(given, dof, &DofValue::dof) != given.end();
+  };
+  for (const auto& [dof, weight] : mean->weights) {
+    if (!mass.owns(dof)) continue;
+    sums[0] += weight * jump[dof];
+    if (!is_given(dof)) sums[1] += weight * weight / mass[dof];
+  }
+  if (size_of(tissue_.comm()) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+  }
+  if (!(sums[1] > 0)) throw_all_held();
+  blow_lambda_ = (mean->value - sums[0]) / sums[1];
+  for (const auto& [dof, weight] : mean->weights) {
+    if (mass.owns(dof) && is_given(dof)) blow[dof] -= blow_lambda_ * weight;
+  }
+}
+
+// The forces without the blow.
+void ImplicitNewmark::settle() {
+  check(VecWAXPY(settled_.get(), -1 / h_, blow_.get(), trial_.needed.reaction));
+  trial_.settled = {settled_.get(), trial_.needed.lambda - blow_lambda_ / h_};
+}
+
+}  // namespace stylet
