@@ -80,4 +80,4 @@ def main(folder, quiet):
 
 
 if __name__ == "__main__":
-    run(main, __doc__, EXAMPLES)
+    run(main, ("study.png", "report.md"), __doc__, EXAMPLES)

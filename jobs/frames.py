@@ -3,7 +3,6 @@
 
 import argparse
 import json
-import re
 import sys
 from pathlib import Path
 
@@ -20,6 +19,8 @@ try:
     from PIL import Image
 except ImportError as error:
     sys.exit(f"frames.py needs python3-h5py, python3-matplotlib and python3-pil: {error}")
+
+from own_files import BadInput, OwnFiles
 
 EXAMPLES = """examples:
   jobs/frames.py out/prostate
@@ -39,10 +40,6 @@ SHOWN = {
     "stress_yy": ("stress yy", 1e-3, "kPa"),
     "stress_xy": ("stress xy", 1e-3, "kPa"),
 }
-
-
-class BadInput(Exception):
-    """Something the user can put right; ends the program with exit code 2."""
 
 
 class Run:
@@ -271,15 +268,20 @@ def main():
         view = run.limits()
         folder = options.outdir / "frames"
         folder.mkdir(exist_ok=True)
-        for old in folder.iterdir():
-            if re.fullmatch(r"frame_\d+\.png|overview\.(png|gif)", old.name):
-                old.unlink()
         # The last snapshot is the result: it is shown whatever the stride.
         chosen = sorted(set(range(0, len(run.steps), options.every)) | {len(run.steps) - 1})
+        own = OwnFiles(options.outdir)
+        names = [f"frames/frame_{i:04d}.png" for i in range(len(chosen))] + ["frames/overview.png"]
+        names += [] if options.no_gif else ["frames/overview.gif"]
+        own.claim(names)
+        for old in folder.iterdir():  # of a longer series
+            if own.owns(f"frames/{old.name}"):
+                old.unlink()
         paths = write_frames(run, [run.steps[i] for i in chosen], view, folder, options.dpi)
         write_panel(run, view, folder / "overview.png", options.dpi)
         if not options.no_gif:
             write_gif(paths, folder / "overview.gif", view)
+        own.seal(names)
     except BadInput as error:
         print(f"frames.py: {error}", file=sys.stderr)
         return 2

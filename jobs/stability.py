@@ -14,6 +14,8 @@ try:
 except ImportError as error:
     sys.exit(f"stability.py needs python3-matplotlib: {error}")
 
+from own_files import BadInput, OwnFiles
+
 EXAMPLES = """examples:
   build/stylet stability input/prostate.yaml
   jobs/stability.py out/stability-prostate
@@ -22,10 +24,6 @@ EXAMPLES = """examples:
 DARK = "#1d2730"
 COLOURS = ("#2a6f97", "#ff5a36", "#6a994e")
 SMALLEST = 1e-16  # energies below are round-off, and zero has no logarithm
-
-
-class BadInput(Exception):
-    """Something the user can put right; ends the program with exit code 2."""
 
 
 def read(path):
@@ -116,7 +114,10 @@ def main():
             one.grid(color="white")
             one.set_axisbelow(True)
             one.legend(fontsize=8)
+        own = OwnFiles(options.outdir)
+        own.claim([target.name])
         figure.savefig(target, dpi=options.dpi)
+        own.seal([target.name])
     except BadInput as error:
         print(f"stability.py: {error}", file=sys.stderr)
         return 2

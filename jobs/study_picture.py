@@ -14,14 +14,12 @@ try:
 except ImportError as error:
     sys.exit(f"{sys.argv[0]} needs python3-numpy and python3-matplotlib: {error}")
 
+from own_files import BadInput, OwnFiles
+
 DARK = "#1d2730"
 COLOURS = ("#2a6f97", "#ff5a36", "#6a994e", "#7b4f9d", "#c28f00", "#3d3d3d")
 SHOWN_IN = {"placement_error": (1e3, "mm"), "tip_displacement": (1e3, "mm"),
             "peak_needle_force": (1, "N")}
-
-
-class BadInput(Exception):
-    """Something the user can put right; ends the program with exit code 2."""
 
 
 class Quantity:
@@ -49,15 +47,18 @@ def read_json(path, verb):
         raise BadInput(f"{path}: cannot be read: {error}") from None
 
 
-def run(draw, description, examples):
-    """Parses the command line of such a script and calls draw(folder, quiet)."""
+def run(draw, names, description, examples):
+    """Parses the command line of such a script and calls draw(folder, quiet), which writes `names`."""
     parser = argparse.ArgumentParser(description=description, epilog=examples,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="output folder of the study")
     parser.add_argument("--quiet", action="store_true", help="print errors only")
     arguments = parser.parse_args()
     try:
+        own = OwnFiles(arguments.folder)
+        own.claim(names)
         draw(arguments.folder, arguments.quiet)
+        own.seal(names)
     except BadInput as error:
         print(f"{sys.argv[0].split('/')[-1]}: {error}", file=sys.stderr)
         sys.exit(2)

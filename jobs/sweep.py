@@ -326,4 +326,4 @@ def main(folder, quiet):
 
 
 if __name__ == "__main__":
-    run(main, __doc__, EXAMPLES)
+    run(main, ("study.png", "statistics.json", "report.md"), __doc__, EXAMPLES)

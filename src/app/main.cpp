@@ -56,18 +56,33 @@ std::vector<std::string> split(std::span<char*> arguments, std::vector<char*>& f
   return own;
 }
 
-/// The first option that is none of a solver; empty if there is none. PETSc acts on some of its
-/// options when it starts and has some that change more than solvers, or read files.
-std::string first_other_option(std::span<char* const> options) {
+/// What is wrong with PETSc's options; empty if nothing is. PETSc acts on some of its options when it
+/// starts, and has some that change more than solvers, or read files.
+std::string trouble_with(std::span<char* const> options) {
   constexpr std::array allowed{
       "-ksp_",        "-pc_", "-sub_", "-mg_",          "-mat_mumps_",
       "-eps_",        "-st_", "-log_", "-options_left", "-mat_superlu_dist_",
       "-mat_cholmod_"};
+  // Which modes are computed is not for a solver to say.
+  constexpr std::array other_modes{"-eps_target",    "-eps_largest",  "-eps_smallest", "-eps_nev",
+                                   "-eps_all",       "-eps_interval", "-eps_harmonic", "-eps_gen",
+                                   "-eps_hermitian", "-eps_non",      "-eps_pos",      "-st_shift"};
+  const auto is_one_of = [](std::string_view option, std::span<const char* const> starts) {
+    return std::ranges::any_of(starts,
+                               [&](const char* start) { return option.starts_with(start); });
+  };
   for (const std::string_view option : options) {
     const bool is_name = option.size() > 1 && option[0] == '-' && std::isalpha(option[1]) != 0;
     if (!is_name) continue;
-    if (std::ranges::none_of(allowed, [&](const char* p) { return option.starts_with(p); })) {
-      return std::string(option);
+    if (!is_one_of(option, allowed)) {
+      return "PETSc option " + std::string(option) +
+             " is not one of the solver options -ksp_*, -pc_*, -mg_*, -sub_*, -mat_mumps_*, "
+             "-eps_*, "
+             "-st_*, -log_*";
+    }
+    if (is_one_of(option, other_modes)) {
+      return "PETSc option " + std::string(option) +
+             " changes which modes are computed; solver options only change how";
     }
   }
   return {};
@@ -93,7 +108,7 @@ double in_unit(const std::string& option, const std::string& text, const std::st
   }
 }
 
-int program(std::vector<std::string> arguments, const std::string& other_option) {
+int program(std::vector<std::string> arguments, const std::string& bad_options) {
   CLI::App app{
       "stylet simulates how a needle deforms and cuts soft tissue and where its seeds end "
       "up."};
@@ -213,11 +228,7 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
       app.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
   schema->add_flag("--markdown", markdown, "as a table for the README");
 
-  if (!other_option.empty()) {
-    throw InputError("PETSc option " + other_option +
-                     " is not one of the solver options -ksp_*, -pc_*, -mg_*, -sub_*, "
-                     "-mat_mumps_*, -eps_*, -st_*, -log_*");
-  }
+  if (!bad_options.empty()) throw InputError(bad_options);
   require_known_verb(app, arguments);
   const bool first = rank_of(MPI_COMM_WORLD) == 0;
   try {
@@ -263,10 +274,8 @@ int program(std::vector<std::string> arguments, const std::string& other_option)
 int main(int argc, char** argv) {
   std::vector<char*> for_petsc;
   auto own = split({argv, static_cast<std::size_t>(argc)}, for_petsc);
-  const std::string other_option = first_other_option(std::span(for_petsc).subspan(1));
-  if (!other_option.empty()) for_petsc.resize(1);  // PETSc must not see it
-  const int n_for_petsc = static_cast<int>(for_petsc.size());
-  for_petsc.push_back(nullptr);  // as in main: MPI looks for the end
-  const stylet::Session session(n_for_petsc, for_petsc.data());
-  return stylet::run_guarded([&] { return program(std::move(own), other_option); });
+  const std::string bad_options = trouble_with(std::span(for_petsc).subspan(1));
+  if (!bad_options.empty()) for_petsc.resize(1);  // PETSc must not see it
+  const stylet::Session session(static_cast<int>(for_petsc.size()), for_petsc.data());
+  return stylet::run_guarded([&] { return program(std::move(own), bad_options); });
 }

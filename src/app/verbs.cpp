@@ -1,6 +1,7 @@
 #include "stylet/app/verbs.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
 #include "stylet/dynamics/modes.hpp"
@@ -30,27 +31,45 @@ Scene load(const SceneArguments& arguments) {
                     arguments.overrides);
 }
 
-/// Of the study beside the scene, if there is one and it is of this scene.
-std::optional<Accuracy> stored_accuracy(const Scene& scene) {
+struct StoredAccuracy {
+  std::optional<Accuracy> study = {};
+  std::string missing = {};  ///< why the one that is there does not hold
+};
+
+/// Of the study beside the scene.
+StoredAccuracy stored_accuracy(const Scene& scene) {
   const std::string path = accuracy_path(scene.file);
   int there = 0;
   if (prints()) there = std::filesystem::exists(path) ? 1 : 0;
   MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  if (there == 0) return std::nullopt;
-  Accuracy accuracy(path, read_on_all(MPI_COMM_WORLD, path));
-  return accuracy.is_of(scene) ? std::optional(std::move(accuracy)) : std::nullopt;
+  if (there == 0) return {};
+  try {
+    Accuracy study(path, read_on_all(MPI_COMM_WORLD, path));
+    const std::string mesh = mesh_path(scene);
+    const std::string reason =
+        study.mismatch(scene, mesh.empty() ? mesh : fingerprint(read_on_all(MPI_COMM_WORLD, mesh)));
+    if (reason.empty()) return {std::move(study), {}};
+    return {{}, reason};
+  } catch (const InputError& error) {
+    return {{}, error.what()};
+  }
 }
 
 }  // namespace
 
 int run_verb(SceneArguments arguments, RunOptions options, const std::string& accuracy) {
   Scene scene = load(arguments);
-  options.accuracy = stored_accuracy(scene);
+  auto stored = stored_accuracy(scene);
+  options.accuracy = std::move(stored.study);
+  options.accuracy_missing = stored.missing;
   if (!accuracy.empty()) {
     if (!options.accuracy) {
-      throw InputError("--accuracy " + accuracy +
-                       ": there is no convergence study of this scene (" +
-                       accuracy_path(scene.file) + "); stylet converge --store makes one");
+      const std::string reason =
+          stored.missing.empty()
+              ? "there is no convergence study of this scene (" + accuracy_path(scene.file) + ")"
+              : stored.missing;
+      throw InputError("--accuracy " + accuracy + ": " + reason +
+                       "; stylet converge --store makes one");
     }
     const StudiedLevel level = options.accuracy->cheapest(to_si(accuracy, "m"));
     arguments.overrides.push_back("mesh.refine=" + std::to_string(level.refine));
@@ -109,22 +128,19 @@ int stability_verb(const SceneArguments& arguments, const StabilityOptions& opti
 
 int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options) {
   converge(MPI_COMM_WORLD, load(arguments), options);
-  check_unused_options();
   return static_cast<int>(ExitCode::done);
 }
 
 int plan_verb(const SceneArguments& arguments, PlanOptions options) {
   const Scene scene = load(arguments);
-  options.accuracy = stored_accuracy(scene);
+  options.accuracy = stored_accuracy(scene).study;
   plan(MPI_COMM_WORLD, scene, options);
-  check_unused_options();
   return static_cast<int>(ExitCode::done);
 }
 
 int tradeoff_verb(const SceneArguments& arguments, const TradeoffOptions& options) {
   tradeoff(MPI_COMM_WORLD, arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file),
            arguments.overrides, options);
-  check_unused_options();
   return static_cast<int>(ExitCode::done);
 }
 
@@ -132,7 +148,6 @@ int sweep_verb(const SceneArguments& arguments, const SweepOptions& options) {
   const Campaign campaign = load_campaign(
       arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file), arguments.overrides);
   sweep(MPI_COMM_WORLD, campaign, options);
-  check_unused_options();
   return static_cast<int>(ExitCode::done);
 }
 

@@ -4,6 +4,8 @@
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 
+#include <algorithm>
+#include <cstdio>
 #include <string>
 
 namespace stylet {
@@ -13,6 +15,10 @@ namespace {
 // A solve costs 3 to 10 % of a factorisation in 2D, so beyond this a new factor pays.
 constexpr int worn_out = 12;
 constexpr int most_iterations = 2000;
+// What options may make of the accuracy. The first bounds the preconditioned residual, the second
+// the true one, which exceeds it by as much as the operator is ill-conditioned.
+constexpr double largest_rtol = 1e-8;
+constexpr double largest_residual = 1e-4;
 
 double dot(Vec x, Vec y) {
   PetscScalar value = 0;
@@ -35,6 +41,13 @@ ConstrainedSolver::ConstrainedSolver(MPI_Comm comm, double rtol) : comm_(comm), 
   check(PCShellSetContext(outer, this));
   check(PCShellSetApply(outer, precondition));
   check(KSPSetFromOptions(ksp_.get()));
+  PetscReal given = 0;
+  check(KSPGetTolerances(ksp_.get(), &given, nullptr, nullptr, nullptr));
+  if (given > largest_rtol) {
+    throw InputError(
+        "PETSc option -ksp_rtol: allowed: at most 1e-8, so that displacements can be "
+        "relied on");
+  }
 }
 
 PetscErrorCode ConstrainedSolver::multiply(Mat shell, Vec x, Vec y) {
@@ -82,14 +95,14 @@ void ConstrainedSolver::adopt(Mat a, Vec like) {
   check(MatSetOption(shell_.get(), MAT_SYMMETRIC, PETSC_TRUE));
   check(KSPSetOperators(ksp_.get(), shell_.get(), shell_.get()));
   if (!factor_) factor_.emplace(comm_, global);
-  for (OwnedVec* vec : {&rhs_, &work_, &weights_, &response_, &unit_}) {
+  for (OwnedVec* vec : {&rhs_, &work_, &weights_, &response_, &unit_, &residual_}) {
     check(VecDuplicate(like, vec->put()));
     check(VecSet(vec->get(), 0));
   }
   stale_ = true;
 }
 
-int ConstrainedSolver::run(Vec rhs, Vec x, const char* what) {
+int ConstrainedSolver::run(Vec rhs, Vec x, const char* what, double& scale) {
   check(KSPSolve(ksp_.get(), rhs, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
@@ -100,7 +113,27 @@ int ConstrainedSolver::run(Vec rhs, Vec x, const char* what) {
                          KSPConvergedReasons[reason] + " after " + std::to_string(iterations) +
                          " iterations");
   }
+  require_solved(rhs, x, what, scale);
   return iterations;
+}
+
+/// Options can end the iteration early and call it converged (-ksp_rtol, -ksp_type preonly with a
+/// weak PC, -ksp_norm_type none): what counts is how far the answer is from solving the system.
+/// scale: the largest right-hand side so far; an increment's may be mere round-off.
+void ConstrainedSolver::require_solved(Vec rhs, Vec x, const char* what, double& scale) {
+  PetscReal size = 0;
+  PetscReal miss = 0;
+  check(VecNorm(rhs, NORM_2, &size));
+  scale = std::max(scale, size);
+  check(MatMult(shell_.get(), x, residual_.get()));
+  check(VecAXPY(residual_.get(), -1, rhs));
+  check(VecNorm(residual_.get(), NORM_2, &miss));
+  if (miss <= largest_residual * scale) return;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.1e", miss / scale);
+  throw NumericalError(
+      std::string("the linear solver left a residual of ") + text + " for " + what +
+      ", where at most 1e-4 is right: solver options (after --) are not fit for this scene");
 }
 
 ConstrainedSolver::Result ConstrainedSolver::solve(
@@ -133,7 +166,7 @@ ConstrainedSolver::Result ConstrainedSolver::solve(
   project(rhs_.get());
   project(x);
   Result result;
-  result.iterations = run(rhs_.get(), x, "the displacements");
+  result.iterations = run(rhs_.get(), x, "the displacements", largest_rhs_);
   if (mean != nullptr) {
     check(VecSet(weights_.get(), 0));
     check(VecGetArray(weights_.get(), &values));
@@ -145,7 +178,8 @@ ConstrainedSolver::Result ConstrainedSolver::solve(
     check(VecCopy(weights_.get(), unit_.get()));
     project(unit_.get());
     project(response_.get());
-    result.iterations += run(unit_.get(), response_.get(), "the tip condition");
+    double own_scale = 0;
+    result.iterations += run(unit_.get(), response_.get(), "the tip condition", own_scale);
     const double compliance = dot(unit_.get(), response_.get());
     if (!(compliance > 0)) throw_all_held();
     result.lambda = (mean->value - reached) / compliance;

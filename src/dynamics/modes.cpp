@@ -1,6 +1,7 @@
 #include "stylet/dynamics/modes.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/owned.hpp"
@@ -94,10 +95,17 @@ std::vector<double> natural_frequencies(const TissueOperator& tissue,
     throw NumericalError("only " + std::to_string(found) + " of " + std::to_string(n) +
                          " modes converged");
   }
+  constexpr double largest_error = 1e-6;
   std::vector<double> frequencies;
   for (int i = 0; i < found; ++i) {
     PetscScalar value = 0;
     check(EPSGetEigenvalue(eps.get(), i, &value, nullptr));
+    PetscReal error = 0;
+    check(EPSComputeError(eps.get(), i, EPS_ERROR_RELATIVE, &error));
+    if (error > largest_error) {
+      throw NumericalError("a mode is inaccurate: its residual is " + exact(error) +
+                           " of it, where at most 1e-6 is right; are solver options to blame?");
+    }
     frequencies.push_back(std::sqrt(std::max(0.0, value)));
   }
   std::ranges::sort(frequencies);

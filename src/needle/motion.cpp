@@ -36,8 +36,8 @@ NeedleStep Motion::next(double longest) {
     left_ = 0;
     if (remaining) {
       constexpr double round_off = 1e-9;
-      left_ = std::max(1, static_cast<int>(std::ceil(*remaining / longest - round_off)));
-      h_ = *remaining / left_;
+      left_ = std::max(1LL, std::llround(std::ceil(*remaining / longest - round_off)));
+      h_ = *remaining / static_cast<double>(left_);
     }
   }
   NeedleStep step{h_, tip_, tip_};

@@ -39,4 +39,16 @@ void reserve_space(const std::string& path, std::uint64_t bytes) {
   throw_io_error(path, "no room for " + std::to_string((bytes + 999999) / 1000000) + " MB more");
 }
 
+void require_room(const std::string& draft, const std::string& path, std::uint64_t bytes) {
+  ::unlink(draft.c_str());  // of a run that was killed
+  const int descriptor = ::open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor < 0) throw_io_error(path, "cannot be created");
+  const int reason = reserve(descriptor, static_cast<off_t>(bytes));
+  ::close(descriptor);
+  ::unlink(draft.c_str());
+  if (reason == 0) return;
+  errno = reason;
+  throw_io_error(path, "cannot be created");
+}
+
 }  // namespace stylet

@@ -1,18 +1,18 @@
 #include "stylet/output/folder.hpp"
 
+#include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/output/summary.hpp"
 #include "stylet/output/text_file.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <cstdio>
 #include <filesystem>
-#include <functional>
-#include <string_view>
 #include <unistd.h>
-#include <vector>
 
 namespace stylet {
 
@@ -20,98 +20,197 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 18> own_files = {
-    "history.csv",      "snapshots.h5",
-    "snapshots.xdmf",   "summary.json",
-    "scene.yaml",       "snapshots_needle.xdmf",
-    "stability.csv",    "stability_implicit.csv",
-    "stability.png",    "plan.json",
-    "results.csv",      "statistics.json",
-    "report.md",        "study.png",
-    "convergence.json", "planned.yaml",
-    "plan.csv",         "tradeoff.json"};
+constexpr std::string_view own_prefix = ".stylet";  // of marks, locks and drafts
 
-bool is_numbered(std::string_view name, std::string_view start, std::string_view end) {
-  if (!name.starts_with(start) || !name.ends_with(end)) return false;
-  name.remove_prefix(start.size());
-  name.remove_suffix(std::min(end.size(), name.size()));
-  return !name.empty() &&
-         std::ranges::all_of(name, [](unsigned char c) { return std::isdigit(c); });
-}
+constexpr const char* parts = "parts";
 
-/// frame_0012.png and the overview, as jobs/frames.py names them.
-bool is_own_picture(std::string_view name) {
-  if (name == "overview.png" || name == "overview.gif") return true;
-  return is_numbered(name, "frame_", ".png");
-}
-
-void remove_file(const fs::path& path) {
-  // A folder of one of our names is not ours.
-  if (!fs::is_directory(fs::symlink_status(path))) fs::remove(path);
-}
-
-/// Files of a folder below that are ours, and the folder if nothing else is in it.
-void remove_from(const fs::path& folder, const std::function<bool(std::string_view)>& is_own) {
-  if (!fs::is_directory(fs::symlink_status(folder))) return;
-  std::vector<fs::path> found;
+/// What stands in the folder beside marks, locks and drafts.
+std::vector<std::string> entries_of(const fs::path& folder) {
+  std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (is_own(entry.path().filename().string())) found.push_back(entry.path());
+    const auto name = entry.path().filename().string();
+    if (!name.starts_with(own_prefix)) names.push_back(name);
   }
-  for (const auto& path : found) remove_file(path);
-  if (fs::is_empty(folder)) fs::remove(folder);
+  std::ranges::sort(names);
+  return names;
 }
 
-void remove_own_files(const fs::path& folder) {
-  for (const std::string_view name : own_files) {
-    remove_file(folder / name);
-    remove_file(folder / (std::string(name) + ".tmp"));
+void create(const std::string& path) {
+  if (fs::exists(path) && !fs::is_directory(path)) {
+    throw IoError(path + ": cannot be used as output folder: there is a file of this name");
   }
-  remove_from(folder / "frames", is_own_picture);
-  remove_from(folder / "fields",
-              [](std::string_view name) { return is_numbered(name, "", ".cbor"); });
-  remove_from(folder / "scenes",
-              [](std::string_view name) { return is_numbered(name, "", ".yaml"); });
-}
-
-void prepare_here(const std::string& path, bool force) {
-  try {
-    if (fs::exists(path) && !fs::is_directory(path)) {
-      throw IoError(path + ": cannot be used as output folder: there is a file of this name");
-    }
-    fs::create_directories(path);
-    if (!fs::is_empty(path)) {
-      if (!force) {
-        throw InputError(path +
-                         ": the output folder is not empty; use --force to replace the results in "
-                         "it, or another folder with --output");
-      }
-      remove_own_files(path);
-    }
-  } catch (const fs::filesystem_error& error) {
-    throw IoError(path + ": cannot be prepared as output folder: " + error.code().message());
-  }
+  fs::create_directories(path);
   if (::access(path.c_str(), W_OK | X_OK) != 0) throw_io_error(path, "cannot be written to");
 }
 
-void write_here(const std::string& path, const std::string& text, Durable durable) {
-  const std::string draft = path + ".tmp";
-  try {
-    TextFile file(draft);
-    file.write(text);
-    if (durable == Durable::yes) file.sync();
-    file.close();
-    if (std::rename(draft.c_str(), path.c_str()) != 0) throw_io_error(path, "cannot be replaced");
-  } catch (const Error&) {
-    ::unlink(draft.c_str());
-    throw;
+/// Before anything is written to it, the lock included.
+void require_ours_or_empty(const std::string& path) {
+  const auto entries = entries_of(path);
+  if (entries.empty() || Manifest(path).exists()) return;
+  throw InputError(path +
+                   ": the output folder is not empty and was not made by this program: it "
+                   "holds '" +
+                   entries.front() +
+                   "'; nothing in it is touched, with --force or without; use another folder with "
+                   "--output");
+}
+
+void remove_drafts(const fs::path& folder) {
+  std::vector<fs::path> drafts;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().starts_with(".stylet.") &&
+        entry.path().extension() != ".lock") {
+      drafts.push_back(entry.path());
+    }
   }
+  for (const auto& draft : drafts) fs::remove(draft);
+}
+
+template <class Body>
+void on_first(MPI_Comm comm, const std::string& path, Body&& body) {
+  agree_after(comm, [&] {
+    if (rank_of(comm) != 0) return;
+    try {
+      body();
+    } catch (const fs::filesystem_error& error) {
+      throw IoError(path + ": cannot be prepared as output folder: " + error.code().message());
+    }
+  });
+}
+
+void write_here(const std::string& path, const std::string& text, Durable durable) {
+  TextFile file(path);
+  file.write(text);
+  if (durable == Durable::yes) file.sync();
+  file.close();
+  file.appear();
 }
 
 }  // namespace
 
-void prepare_folder(MPI_Comm comm, const std::string& path, bool force) {
-  agree_after(comm, [&] {
-    if (rank_of(comm) == 0) prepare_here(path, force);
+OutputFolder::OutputFolder(
+    MPI_Comm comm, std::string path, Contents contents, Earlier earlier, OnSignal on_signal)
+    : comm_(comm), path_(std::move(path)), contents_(std::move(contents)) {
+  contents_.names.emplace_back("summary.json");
+  on_first(comm, path_, [&] { prepare(earlier); });
+  status_.emplace(comm, path_ + "/summary.json", on_signal, lock_ ? lock_->path() : "");
+}
+
+void OutputFolder::prepare(Earlier earlier) {
+  create(path_);
+  require_ours_or_empty(path_);
+  lock_.emplace(path_);
+  manifest_.emplace(path_);
+  const bool holds_results = !entries_of(path_).empty();
+  if (holds_results && earlier == Earlier::refuse) {
+    throw InputError(path_ +
+                     ": the output folder is not empty; use --force to replace the results in it, "
+                     "or another folder with --output");
+  }
+  if (earlier == Earlier::keep && manifest_->exists() && manifest_->what() != contents_.what &&
+      manifest_->what() != parts) {
+    throw InputError(path_ + ": holds the results of stylet " + manifest_->what() +
+                     ", so there is nothing to go on with; use another folder with --output");
+  }
+  auto names = contents_.names;
+  if (earlier == Earlier::replace) {
+    const auto old = manifest_->names();
+    names.insert(names.end(), old.begin(), old.end());
+  } else {
+    std::erase_if(names, [&](const auto& name) {
+      return manifest_->owns(name) ||
+             std::ranges::find(contents_.grows, name) != contents_.grows.end();
+    });
+  }
+  std::vector<std::string> foreign;
+  for (const auto& name : names) {
+    if (fs::exists(fs::symlink_status(path_ + "/" + name)) && !manifest_->owns(name)) {
+      foreign.push_back(name);
+    }
+  }
+  for (const auto& name : contents_.names) {
+    if (!name.ends_with("/") || !manifest_->owns(name)) continue;
+    for (const auto& file : numbered_files(path_ + "/" + name)) {
+      if (!manifest_->owns(name + file)) foreign.push_back(name + file);
+    }
+  }
+  sort_unique(foreign);
+  if (!foreign.empty()) {
+    throw InputError(path_ + ": this program did not write '" + join(foreign, "', '") +
+                     "', or it was changed since; nothing is replaced; move it away, or use "
+                     "another folder with --output");
+  }
+  remove_drafts(path_);
+  if (earlier == Earlier::replace) remove_own();
+  if (manifest_->what() == contents_.what && earlier == Earlier::keep) {
+    manifest_->open(contents_.names);
+  } else {
+    manifest_->begin(contents_.what, contents_.names);
+  }
+  for (const auto& name : contents_.names) {
+    if (name.ends_with("/")) fs::create_directories(path_ + "/" + name);
+  }
+}
+
+void OutputFolder::remove_own() {
+  const auto names = manifest_->names();
+  for (const auto& name : names) {
+    if (name.ends_with("/")) {
+      for (const auto& file : numbered_files(path_ + "/" + name)) {
+        if (manifest_->owns(name + file)) fs::remove(path_ + "/" + name + file);
+      }
+    } else if (manifest_->owns(name)) {
+      fs::remove(path_ + "/" + name);
+    }
+  }
+  for (const auto& name : names) {
+    if (manifest_->owns(name) && fs::is_empty(path_ + "/" + name)) fs::remove(path_ + "/" + name);
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  status_.reset();
+  if (!manifest_) return;
+  try {
+    manifest_->seal();
+  } catch (const std::exception&) {  // a full disk: the files stay ours by their names
+  }
+}
+
+void OutputFolder::go_on() {
+  go_on({{"status", "running"}});
+}
+
+void OutputFolder::go_on(const nlohmann::ordered_json& summary) {
+  write_summary(comm_, path_ + "/summary.json", summary);
+}
+
+void OutputFolder::finish(const nlohmann::ordered_json& summary) {
+  agree_after(comm_, [&] {
+    if (rank_of(comm_) == 0) status_->finish(summary);
+  });
+}
+
+void OutputFolder::fail(const std::exception& error) noexcept {
+  fail(error, nlohmann::ordered_json::object());
+}
+
+void OutputFolder::fail(const std::exception& error, nlohmann::ordered_json summary) noexcept {
+  try {
+    if (all_here(comm_) && rank_of(comm_) != 0) return;
+    summary["status"] = dynamic_cast<const Stopped*>(&error) != nullptr ? "stopped" : "failed";
+    summary["error"] = error.what();
+    status_->finish(summary);
+  } catch (const std::exception&) {  // the error itself is on its way
+  }
+}
+
+void mark_parent(MPI_Comm comm, const std::string& path) {
+  on_first(comm, path, [&] {
+    create(path);
+    require_ours_or_empty(path);
+    Manifest manifest(path);
+    if (!manifest.exists()) manifest.begin(parts, {});
   });
 }
 

@@ -50,6 +50,7 @@ HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path, std::vector
     }
     file_.emplace(path);
     file_->write(header + '\n');
+    file_->appear();
   });
 }
 

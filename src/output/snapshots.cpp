@@ -5,6 +5,8 @@
 #include "stylet/output/folder.hpp"
 #include "stylet/output/hdf5.hpp"
 #include "stylet/output/snapshot_size.hpp"
+#include "stylet/output/status_file.hpp"
+#include "stylet/output/text_file.hpp"
 #include "stylet/output/xdmf.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
@@ -21,6 +23,7 @@ namespace stylet {
 namespace {
 
 constexpr unsigned long long format_version = 1;
+constexpr std::uint64_t first_bytes = 64 * 1024;  // a new file with its attributes takes less
 
 std::string numbered(const std::string& name, int number) {
   constexpr std::size_t digits = 6;
@@ -97,11 +100,28 @@ SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
       n_ranks_(size_of(comm)),
       folder_(folder),
       h5_path_(folder + "/snapshots.h5") {
+  // HDF5 cannot close a file whose first bytes found no room, so they are sure to find it; and the
+  // file has its name once it can be read.
+  const std::string draft = draft_of(h5_path_);
   agree_after(comm, [&] {
-    h5_ = create_hdf5_file(comm, h5_path_);
-    set_attribute(h5_->get(), "program", std::string("stylet"));
-    set_attribute(h5_->get(), "version", std::string(STYLET_VERSION));
-    set_attribute(h5_->get(), "format", format_version);
+    if (rank_ == 0) require_room(draft, h5_path_, first_bytes);
+  });
+  try {
+    agree_after(comm, [&] {
+      h5_ = create_hdf5_file(comm, draft);
+      set_attribute(h5_->get(), "program", std::string("stylet"));
+      set_attribute(h5_->get(), "version", std::string(STYLET_VERSION));
+      set_attribute(h5_->get(), "format", format_version);
+      check_hdf5(H5Fflush(h5_->get(), H5F_SCOPE_LOCAL), h5_path_);
+    });
+  } catch (const Error& error) {
+    if (h5_) end_job(error);
+    throw;
+  }
+  agree_after(comm, [&] {
+    if (rank_ == 0 && std::rename(draft.c_str(), h5_path_.c_str()) != 0) {
+      throw_io_error(h5_path_, "cannot be created");
+    }
   });
   write_xdmf();
 }
@@ -141,7 +161,10 @@ void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
 /// HDF5 can neither go on nor close a file when a collective write failed on some ranks only: it
 /// hangs or crashes, at the latest when MPI ends. The snapshots before are whole on the disk.
 void SnapshotWriter::File::end_job(const Error& error) const {
-  if (rank_ == 0) std::fprintf(stderr, "\n%s\n", error.what());
+  if (rank_ == 0) {
+    std::fprintf(stderr, "\nstylet: %s\n", error.what());
+    StatusFile::fail_at_once(error.what());
+  }
   abort_job(static_cast<int>(error.code()));
 }
 

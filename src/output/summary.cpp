@@ -28,13 +28,13 @@ const Json* entry(const Json& parent, std::string_view name) {
 
 }  // namespace
 
+std::string summary_text(const Json& summary) {
+  // A file name in the scene may hold bytes that are not UTF-8; they must not cost the summary.
+  return summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 void write_summary(MPI_Comm comm, const std::string& path, const Json& summary) {
-  std::string text;
-  if (rank_of(comm) == 0) {
-    // A file name in the scene may hold bytes that are not UTF-8; they must not cost the summary.
-    text = summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  }
-  write_text_atomically(comm, path, text);
+  write_text_atomically(comm, path, rank_of(comm) == 0 ? summary_text(summary) : std::string());
 }
 
 std::optional<double> find_number(const Json& summary, std::string_view path) {

@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fcntl.h>
 #include <unistd.h>
@@ -15,17 +16,30 @@ void throw_io_error(const std::string& path, const std::string& what) {
   throw IoError(path + ": " + what + ": " + std::strerror(number));
 }
 
+std::string draft_of(const std::string& path) {
+  const auto name = path.find_last_of('/') + 1;  // 0 without a folder
+  return path.substr(0, name) + ".stylet." + path.substr(name) + ".tmp";
+}
+
 TextFile::TextFile(std::string path, Open how)
-    : path_(std::move(path)),
-      descriptor_(
-          ::open(path_.c_str(),
-                 O_WRONLY | O_CREAT | O_CLOEXEC | (how == Open::append ? O_APPEND : O_TRUNC),
-                 0666)) {
+    : path_(std::move(path)), draft_(how == Open::draft ? draft_of(path_) : "") {
+  if (draft_.empty()) {
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW);
+  } else {
+    ::unlink(draft_.c_str());  // of a run that was killed
+    descriptor_ = ::open(draft_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  }
   if (descriptor_ < 0) throw_io_error(path_, "cannot be created");
 }
 
 TextFile::~TextFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
+  if (!draft_.empty()) ::unlink(draft_.c_str());
+}
+
+void TextFile::appear() {
+  if (std::rename(draft_.c_str(), path_.c_str()) != 0) throw_io_error(path_, "cannot be replaced");
+  draft_.clear();
 }
 
 void TextFile::write(std::string_view text) {

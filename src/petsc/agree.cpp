@@ -5,9 +5,9 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <fcntl.h>
+#include <unistd.h>
+#include <vector>
 
 namespace stylet {
 
@@ -41,21 +41,37 @@ void agree(MPI_Comm comm, const std::optional<Failure>& failure) {
 
 std::string read_on_all(MPI_Comm comm, const std::string& path) {
   std::string text;
-  std::optional<Failure> failure;
-  if (rank_of(comm) == 0) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream bytes;
-    if (!file || std::filesystem::is_directory(path)) {
-      const char* why = std::filesystem::is_directory(path) ? "is a folder" : std::strerror(errno);
-      failure = Failure{ExitCode::bad_input, path + ": cannot be read: " + why};
-    } else if (file.peek() != std::ifstream::traits_type::eof()) {
-      bytes << file.rdbuf();
-      text = std::move(bytes).str();
-    }
-  }
-  agree(comm, failure);
+  agree_after(comm, [&] {
+    if (rank_of(comm) == 0) text = read_file(path);
+  });
   broadcast(comm, text, 0);
   return text;
+}
+
+std::string read_file(const std::string& path) {
+  const auto fail = [&](int reason) {
+    const std::string message = path + ": cannot be read: ";
+    if (reason == EISDIR) throw InputError(message + "is a folder");
+    // A name that leads nowhere is wrong input; a disk or a server may be well again later.
+    const bool is_wrong =
+        reason == ENOENT || reason == ENOTDIR || reason == ENAMETOOLONG || reason == ELOOP;
+    throw Error(is_wrong ? ExitCode::bad_input : ExitCode::io, message + std::strerror(reason));
+  };
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(errno);
+  std::string text;
+  std::vector<char> piece(1 << 20);
+  while (true) {
+    const ssize_t n = ::read(descriptor, piece.data(), piece.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      const int reason = errno;
+      ::close(descriptor);
+      if (n < 0) fail(reason);
+      return text;
+    }
+    text.append(piece.data(), static_cast<std::size_t>(n));
+  }
 }
 
 }  // namespace stylet

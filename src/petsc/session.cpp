@@ -5,15 +5,22 @@
 
 #include <slepcsys.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <fcntl.h>
 #include <new>
 #include <omp.h>
+#include <span>
 #include <string>
 #include <thread>
+#include <unistd.h>
 
 namespace stylet {
 
@@ -22,11 +29,78 @@ namespace stylet {
 #error "Stylet needs PETSc with real double scalars and 32-bit indices"
 #endif
 
+namespace {
+
+/// What PETSc and udunits2 would read beside the command line changes results and is seen by nobody.
+void forget_environment() {
+  for (const char* name : {"PETSC_OPTIONS", "PETSC_OPTIONS_YAML", "UDUNITS2_XML_PATH"}) {
+    ::unsetenv(name);
+  }
+}
+
+/// A file must not be opened as standard output, whose text would land in it. Writing to what is
+/// opened here fails, as it does to what is closed.
+void fill_closed_streams() {
+  int descriptor = 0;
+  while (descriptor >= 0 && descriptor <= STDERR_FILENO) {
+    descriptor = ::open("/dev/null", O_RDONLY);
+  }
+  if (descriptor > STDERR_FILENO) ::close(descriptor);
+}
+
+/// By nohup, or a shell that started us in the background.
+std::vector<int> ignored_signals() {
+  std::vector<int> ignored;
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) {
+    struct sigaction action {};
+    if (::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) {
+      ignored.push_back(signal);
+    }
+  }
+  return ignored;
+}
+
+std::vector<std::string>& given_options() {
+  static std::vector<std::string> options;
+  return options;
+}
+
+/// "-ksp_rtol 1e-10" in one text.
+std::vector<std::string> with_values(std::span<char* const> arguments) {
+  std::vector<std::string> options;
+  for (const std::string argument : arguments) {
+    const bool is_name =
+        argument.size() > 1 && argument[0] == '-' && std::isalpha(argument[1]) != 0;
+    if (is_name || options.empty()) {
+      options.push_back(argument);
+    } else {
+      options.back() += " " + argument;
+    }
+  }
+  return options;
+}
+
+}  // namespace
+
 Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exceptions()) {
-  check(SlepcInitialize(&argc, &argv, nullptr, nullptr));
+  const auto ignored = ignored_signals();
+  fill_closed_streams();
+  forget_environment();
+  // -skip_petscrc has to stand among the options: ~/.petscrc, .petscrc and petscrc are not read.
+  std::string name = "stylet";
+  std::string skip = "-skip_petscrc";
+  std::vector<char*> arguments{name.data(), skip.data()};
+  if (argc > 1) arguments.insert(arguments.end(), argv + 1, argv + argc);
+  given_options() = with_values(std::span(arguments).subspan(2));
+  int count = static_cast<int>(arguments.size());
+  arguments.push_back(nullptr);  // as in main: MPI looks for the end
+  char** all = arguments.data();
+  check(SlepcInitialize(&count, &all, nullptr, nullptr));
+  check(PetscOptionsClearValue(nullptr, skip.c_str()));
   // Errors are returned and become exceptions (check); PETSc's own traceback would repeat them.
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   check(PetscPopSignalHandler());
+  for (const int signal : ignored) std::signal(signal, SIG_IGN);  // PETSc has forgotten it
   // One thread a rank: CHOLMOD's loops over a front take four, whatever OMP_NUM_THREADS says, and a
   // third longer for it.
   omp_set_max_active_levels(0);
@@ -55,41 +129,63 @@ void abort_job(int exit_code) {
   std::abort();
 }
 
+bool all_here(MPI_Comm comm) {
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ibarrier(comm, &request);
+  int here = 0;
+  constexpr int most_looks = 200;
+  for (int i = 0; i < most_looks && here == 0; ++i) {
+    MPI_Test(&request, &here, MPI_STATUS_IGNORE);
+    if (here == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return here != 0;
+}
+
 namespace {
 
-void fail(int code, const std::string& message) {
-  MPI_Request request = MPI_REQUEST_NULL;
-  MPI_Ibarrier(MPI_COMM_WORLD, &request);
-  int all_here = 0;
-  constexpr int most_looks = 200;
-  for (int i = 0; i < most_looks && all_here == 0; ++i) {
-    MPI_Test(&request, &all_here, MPI_STATUS_IGNORE);
-    if (all_here == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+int fail(int code, const std::string& message) {
+  const bool together = all_here(MPI_COMM_WORLD);
   const int rank = rank_of(MPI_COMM_WORLD);
-  if (all_here == 0) {
+  if (!together) {
     std::fprintf(stderr, "stylet: rank %d alone: %s\n", rank, message.c_str());
     std::fflush(stderr);
     abort_job(code);
   }
   if (rank == 0) std::fprintf(stderr, "stylet: %s\n", message.c_str());
+  return code;
+}
+
+/// Output that did not arrive is a failure, though all else went well.
+int with_output_written(int code) {
+  int reason = std::fflush(stdout) != 0 ? errno : 0;
+  if (reason == 0 && std::ferror(stdout) != 0) reason = EIO;  // an earlier write
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &reason, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD));
+  if (reason == 0) return code;
+  return fail(static_cast<int>(ExitCode::io),
+              std::string("standard output cannot be written: ") + std::strerror(reason));
 }
 
 }  // namespace
 
 int run_guarded(const std::function<int()>& body) {
   try {
-    return body();
+    return with_output_written(body());
   } catch (const Error& error) {
-    fail(static_cast<int>(error.code()), error.what());
-    return static_cast<int>(error.code());
+    return fail(static_cast<int>(error.code()), error.what());
+  } catch (const Stopped& stopped) {
+    return fail(stopped.code(), stopped.what());
   } catch (const std::bad_alloc&) {
-    fail(EXIT_FAILURE, "not enough memory for this scene; use a coarser mesh or a larger machine");
-    return EXIT_FAILURE;
+    return fail(EXIT_FAILURE,
+                "not enough memory for this scene; use a coarser mesh or a larger machine");
   } catch (const std::exception& error) {
-    fail(EXIT_FAILURE, std::string("internal error: ") + error.what());
-    return EXIT_FAILURE;
+    return fail(EXIT_FAILURE, std::string("internal error: ") + error.what());
+  } catch (...) {
+    return fail(EXIT_FAILURE, "internal error");
   }
+}
+
+const std::vector<std::string>& solver_options() {
+  return given_options();
 }
 
 void check_unused_options() {

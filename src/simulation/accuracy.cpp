@@ -1,13 +1,17 @@
 #include "stylet/simulation/accuracy.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/fingerprint.hpp"
+#include "stylet/petsc/session.hpp"
 #include "stylet/scene/writer.hpp"
+#include "stylet/simulation/model.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 
 namespace stylet {
 
@@ -42,6 +46,36 @@ std::optional<double> step_part(const Json& steps, double step) {
   return found;
 }
 
+Json parsed(const std::string& path, const std::string& text) {
+  try {
+    Json study = Json::parse(text);
+    for (const char* key : {"program", "scene", "runs", "quantities"}) (void)study.at(key);
+    return study;
+  } catch (const Json::exception& error) {
+    throw InputError(path + " is not a stored convergence study: " + error.what());
+  }
+}
+
+std::string fingerprint_of(Json study) {
+  study.erase("fingerprint");
+  return fingerprint(study.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string first_difference(const std::string& a, const std::string& b) {
+  std::istringstream before(a);
+  std::istringstream now(b);
+  std::string x;
+  std::string y;
+  do {
+    x.clear();
+    y.clear();
+    std::getline(before, x);
+    std::getline(now, y);
+  } while (x == y && (before || now));
+  return "'" + x.substr(std::min(x.find_first_not_of(' '), x.size())) + "' there, '" +
+         y.substr(std::min(y.find_first_not_of(' '), y.size())) + "' here";
+}
+
 }  // namespace
 
 double Uncertainty::total() const {
@@ -49,17 +83,32 @@ double Uncertainty::total() const {
 }
 
 Accuracy::Accuracy(const std::string& path, const std::string& text) : path_(path) {
-  try {
-    study_ = Json::parse(text);
-    for (const char* key : {"scene", "runs", "quantities"}) (void)study_.at(key);
-  } catch (const Json::exception& error) {
-    throw InputError(path + ": is not a stored convergence study: " + error.what() +
-                     "; make it anew with stylet converge --store");
+  study_ = parsed(path, text);
+  if (!study_.contains("fingerprint")) {
+    throw InputError(path + " was stored without fingerprints, by an earlier version");
+  }
+  if (study_["fingerprint"] != fingerprint_of(study_)) {
+    throw InputError(path + " was changed since it was stored");
   }
 }
 
-bool Accuracy::is_of(const Scene& scene) const {
-  return study_["scene"] == studied_text(scene);
+std::string Accuracy::mismatch(const Scene& scene, const std::string& mesh_fingerprint) const {
+  const auto differs = [&](const char* key, const Json& now) { return study_[key] != now; };
+  if (differs("program", STYLET_VERSION)) {
+    return path_ + " is of version " + study_["program"].dump() + " of the program, this is " +
+           STYLET_VERSION;
+  }
+  if (differs("scene", studied_text(scene))) {
+    return path_ + " is of another scene: " +
+           first_difference(study_["scene"].get<std::string>(), studied_text(scene));
+  }
+  if (differs("mesh_file", mesh_fingerprint)) {
+    return path_ + " is of another mesh file: the bytes of " + mesh_path(scene) + " differ";
+  }
+  if (differs("solver_options", deciding_options())) {
+    return path_ + " was computed with other solver options: " + study_["solver_options"].dump();
+  }
+  return {};
 }
 
 std::optional<Uncertainty> Accuracy::of(const std::string& quantity,
@@ -104,6 +153,34 @@ StudiedLevel Accuracy::cheapest(double wanted) const {
                 1e3 * wanted, 1e3 * least, most_accurate.refine, 1e3 * most_accurate.step,
                 most_accurate.seconds);
   throw InputError(path_ + text + "; study finer ones: stylet converge --mesh-levels");
+}
+
+void seal_accuracy(Json& study, const std::string& mesh_fingerprint) {
+  study["mesh_file"] = mesh_fingerprint;
+  study["solver_options"] = deciding_options();
+  study["fingerprint"] = fingerprint_of(study);
+}
+
+void require_own_accuracy(const std::string& path, const std::string& text) {
+  const std::string end = "; it is not replaced: move it away";
+  try {
+    const Json study = parsed(path, text);
+    if (!study.contains("fingerprint") || study["fingerprint"] == fingerprint_of(study)) return;
+  } catch (const InputError& error) {
+    throw InputError(error.what() + end);
+  }
+  throw InputError(path + " was changed since it was stored" + end);
+}
+
+std::vector<std::string> deciding_options() {
+  auto options = solver_options();
+  std::erase_if(options, [](const std::string& option) {
+    return option.starts_with("-log_") || option.starts_with("-options_left") ||
+           option.find("monitor") != std::string::npos ||
+           option.find("_view") != std::string::npos ||
+           option.find("_converged_reason") != std::string::npos;
+  });
+  return options;
 }
 
 std::string studied_text(Scene scene) {

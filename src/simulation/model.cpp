@@ -1,6 +1,7 @@
 #include "stylet/simulation/model.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/geometry/rotation.hpp"
 #include "stylet/geometry/triangle.hpp"
@@ -23,15 +24,14 @@ namespace stylet {
 
 namespace {
 
-MeshData source_mesh(MPI_Comm comm, const Scene& scene) {
+MeshData source_mesh(MPI_Comm comm, const Scene& scene, std::string& file_fingerprint) {
   if (const auto* rectangle = std::get_if<RectangleMesh>(&scene.mesh.source)) {
     return make_rectangle(*rectangle);
   }
-  const std::filesystem::path file = std::get<std::string>(scene.mesh.source);
-  const auto path =
-      file.is_absolute() ? file : std::filesystem::path(scene.file).parent_path() / file;
-  const std::string name = path.lexically_normal().string();
-  return read_gmsh(name, read_on_all(comm, name), scene.mesh.scale, 2);
+  const std::string name = mesh_path(scene);
+  const std::string bytes = read_on_all(comm, name);
+  file_fingerprint = fingerprint(bytes);
+  return read_gmsh(name, bytes, scene.mesh.scale, 2);
 }
 
 std::string at(ReferencePoint x) {
@@ -78,6 +78,15 @@ void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
 
 }  // namespace
 
+std::string mesh_path(const Scene& scene) {
+  const auto* name = std::get_if<std::string>(&scene.mesh.source);
+  if (name == nullptr) return {};
+  const std::filesystem::path file = *name;
+  const auto path =
+      file.is_absolute() ? file : std::filesystem::path(scene.file).parent_path() / file;
+  return path.lexically_normal().string();
+}
+
 Scene in_needle_frame(Scene scene) {
   const Rotation rotation(scene.needle_angle);
   if (rotation.is_identity()) return scene;
@@ -98,7 +107,8 @@ Scene in_needle_frame(Scene scene) {
 }
 
 NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene) {
-  MeshData data = source_mesh(comm, scene);
+  std::string file_fingerprint;
+  MeshData data = source_mesh(comm, scene, file_fingerprint);
   validate(data);
   turn(data, Rotation(scene.needle_angle));
   if (scene.mesh.refine > 0) data = refine(data, scene.mesh.refine);
@@ -106,7 +116,7 @@ NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene) {
   std::vector<int> old_cell_of_new;
   Mesh mesh(renumber(data, numbering, old_cell_of_new));
   return {std::move(mesh), std::move(numbering.first_node), std::move(numbering.new_of_old),
-          std::move(old_cell_of_new)};
+          std::move(old_cell_of_new), std::move(file_fingerprint)};
 }
 
 void check_against_mesh(const Scene& scene, Mesh& mesh) {
@@ -140,15 +150,25 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
   // The reference scene's placement error moves by 0.2 % from 450 steps of insertion to 5, by 2 %
   // to 1.
   constexpr int fewest = 4;
+  const auto require_countable = [&](double duration, const std::string& what) {
+    constexpr double most = 1e12;  // far beyond any patience, and time still moves in each of them
+    if (duration / step <= most) return;
+    throw InputError(scene.file + ": key 'time.step': steps of " + exact(step) +
+                     " s are too short for " + what + ", which takes " + exact(duration) +
+                     " s; allowed: at most 1e12 steps");
+  };
+  require_countable(scene.time.duration, "time.duration");
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
     const auto travels = travels_of(needle.motion, Axis::along_sign);
     double inserting = 0;  // s
     for (std::size_t i = 0; i < travels.size(); ++i) {
       const Action& action = needle.motion[i];
-      if (action.kind != ActionKind::insert) continue;
-      inserting +=
-          std::abs(along_of(travels[i].to, skin) - along_of(travels[i].from, skin)) / action.speed;
+      const double way = std::abs(along_of(travels[i].to, skin) - along_of(travels[i].from, skin));
+      const double moving = action.speed > 0 ? way / action.speed : 0;
+      require_countable(action.duration.value_or(moving),
+                        "an action of needle '" + needle.name + "'");
+      if (action.kind == ActionKind::insert) inserting += moving;
     }
     if (inserting == 0) continue;
     const double longest = inserting / fewest;

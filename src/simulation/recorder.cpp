@@ -201,7 +201,12 @@ void Recorder::record(const Simulation& simulation, const StepRecord& step) {
 }
 
 void Recorder::finish(const Simulation& simulation) {
+  if (history_) history_->flush();  // the quick part first: a run that is stopped may be ended soon
   if (snapshots_ && last_snapshot_ != simulation.time()) snapshot(simulation);
+  close();
+}
+
+void Recorder::close() {
   if (snapshots_) snapshots_->close();
   if (history_) history_->close();
 }
@@ -361,6 +366,10 @@ ordered_json summarise(MPI_Comm comm,
   summary["n_triangles"] = simulation.mesh().n_cells();
   summary["n_ranks"] = size_of(comm);
   summary["wall_times"] = wall_times;
+  if (const auto& mesh = simulation.numbered().file_fingerprint; !mesh.empty()) {
+    summary["fingerprints"]["mesh"] = mesh;
+  }
+  summary["solver_options"] = solver_options();
   summary["versions"] = {
       {"stylet", STYLET_VERSION},
       {"petsc", std::to_string(PETSC_VERSION_MAJOR) + "." + std::to_string(PETSC_VERSION_MINOR) +

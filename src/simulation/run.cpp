@@ -1,9 +1,11 @@
 #include "stylet/simulation/run.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/output/summary.hpp"
+#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/writer.hpp"
 #include "stylet/simulation/recorder.hpp"
@@ -11,14 +13,17 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 namespace stylet {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Json = nlohmann::ordered_json;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -95,7 +100,7 @@ void add_uncertainty(const Scene& scene,
   }
 }
 
-void print(const Scene& scene, const RunOutcome& outcome) {
+void print(const Scene& scene, const RunOptions& options, const RunOutcome& outcome) {
   const auto& summary = outcome.summary;
   bool known = true;
   for (std::size_t i = 0; i < summary["seeds"].size(); ++i) {
@@ -111,10 +116,11 @@ void print(const Scene& scene, const RunOutcome& outcome) {
     std::printf("peak needle force: %s\n",
                 shown_with(summary, "peak_needle_force", 1, "N").c_str());
   }
-  if (!known) {
-    std::printf(
-        "note: numerical error unknown: no convergence study of this scene at this mesh and step "
-        "(stylet converge --store)\n");
+  if (!known || !options.accuracy_missing.empty()) {
+    std::printf("note: numerical error unknown: %s (stylet converge --store)\n",
+                options.accuracy_missing.empty()
+                    ? "no convergence study of this scene at this mesh and step"
+                    : options.accuracy_missing.c_str());
   }
   for (const auto& note : summary["notes"]) {
     std::printf("note: %s\n", note.get<std::string>().c_str());
@@ -128,20 +134,56 @@ void print(const Scene& scene, const RunOutcome& outcome) {
   const auto& walls = summary["wall_times"];
   double total = 0;
   for (const auto& [phase, seconds] : walls.items()) total += seconds.get<double>();
-  std::printf("%d steps on %d triangles and %d rank%s in %.2f s\n", summary["steps"].get<int>(),
-              summary["n_triangles"].get<int>(), summary["n_ranks"].get<int>(),
-              summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
+  std::printf("%lld steps on %d triangles and %d rank%s in %.2f s\n",
+              summary["steps"].get<long long>(), summary["n_triangles"].get<int>(),
+              summary["n_ranks"].get<int>(), summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
   std::printf("files in %s: summary.json, scene.yaml%s%s\n", outcome.folder.c_str(),
               scene.output.history ? ", history.csv" : "",
               scene.output.snapshots ? ", snapshots.h5 (open snapshots.xdmf in ParaView)" : "");
+}
+
+Contents contents_of(const Scene& scene) {
+  Contents contents{"run", {"scene.yaml"}, {}};
+  if (scene.output.history) contents.names.emplace_back("history.csv");
+  if (scene.output.snapshots) {
+    for (const char* name : {"snapshots.h5", "snapshots.xdmf", "snapshots_needle.xdmf"}) {
+      contents.names.emplace_back(name);
+    }
+  }
+  return contents;
+}
+
+/// Collective. Ends the run where a signal asked for it or the history cannot be written.
+void heed(MPI_Comm comm, Recorder& recorder) {
+  int news[2] = {StatusFile::signal(), recorder.failed() ? 1 : 0};
+  if (size_of(comm) > 1) check_mpi(MPI_Allreduce(MPI_IN_PLACE, news, 2, MPI_INT, MPI_MAX, comm));
+  if (news[1] != 0) recorder.close();
+  if (news[0] != 0) throw Stopped(news[0], ::sigabbrev_np(news[0]));
+}
+
+/// Collective. Closes the files of a run that ended with an error, with a last snapshot where that
+/// is likely to succeed. Whether the simulation can still be asked.
+bool close_after(const std::exception& failure,
+                 const Simulation& simulation,
+                 std::optional<Recorder>& recorder) {
+  const auto* error = dynamic_cast<const Error*>(&failure);
+  const bool stopped = dynamic_cast<const Stopped*>(&failure) != nullptr;
+  if (error == nullptr && !stopped) return false;
+  const bool whole =
+      stopped || error->code() == ExitCode::numerical || error->code() == ExitCode::bad_input;
+  try {
+    if (recorder && whole) recorder->finish(simulation);
+    if (recorder && !whole) recorder->close();
+  } catch (const Error&) {  // the first failure is the one to tell
+  }
+  return whole || error->code() == ExitCode::io;
 }
 
 }  // namespace
 
 std::string resolved_text(Scene scene) {
   if (auto* file = std::get_if<std::string>(&scene.mesh.source)) {
-    const auto folder = std::filesystem::absolute(scene.file).parent_path();
-    *file = (folder / *file).lexically_normal().string();
+    *file = std::filesystem::absolute(mesh_path(scene)).lexically_normal().string();
   }
   return to_yaml(scene);
 }
@@ -156,42 +198,46 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     mark = Clock::now();
   };
   Simulation simulation(comm, scene, scene.output.history);
-  prepare_folder(comm, outcome.folder, options.force);
-  write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved_text(scene));
-  const std::string summary_path = outcome.folder + "/summary.json";
-  book("set_up");
-  Recorder recorder(comm, simulation, outcome.folder);
-  write_summary(comm, summary_path, summarise(comm, simulation, "running", walls));
-  book("output");
-  {
+  const std::string resolved = resolved_text(scene);
+  const auto summary_now = [&](const std::string& status) {
+    Json summary = summarise(comm, simulation, status, walls);
+    summary["fingerprints"]["scene"] = fingerprint(resolved);  // of scene.yaml beside it
+    return summary;
+  };
+  OutputFolder folder(comm, outcome.folder, contents_of(scene),
+                      options.force ? Earlier::replace : Earlier::refuse, OnSignal::tell);
+  std::optional<Recorder> recorder;
+  try {
+    folder.go_on(summary_now("running"));
+    write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved);
+    book("set_up");
+    recorder.emplace(comm, simulation, outcome.folder);
+    book("output");
     Progress progress(comm, options.quiet);
-    try {
-      while (!simulation.done()) {
-        const StepRecord step = simulation.step();
-        if (simulation.counts().steps == 1) check_unused_options();
-        if (step.sub_steps == 0) continue;
+    while (!simulation.done()) {
+      const StepRecord step = simulation.step();
+      if (simulation.counts().steps == 1) check_unused_options();
+      if (step.sub_steps > 0) {
         book(phase_of(simulation));
-        recorder.record(simulation, step);
+        recorder->record(simulation, step);
         book("output");
-        if (progress.due()) {
-          progress.update(simulation.fraction(), progress_text(simulation, step));
-        }
       }
-    } catch (const NumericalError& error) {
-      recorder.finish(simulation);
-      outcome.summary = summarise(comm, simulation, "failed", walls);
-      outcome.summary["error"] = error.what();
-      write_summary(comm, summary_path, outcome.summary);
-      throw;
+      heed(comm, *recorder);
+      if (progress.due()) progress.update(simulation.fraction(), progress_text(simulation, step));
     }
+    recorder->finish(simulation);
+    book("output");
+    outcome.summary = summary_now("completed");
+    add_uncertainty(scene, options, outcome.summary);
+    outcome.failed_expectations = check_expectations(scene, outcome.summary);
+    folder.finish(outcome.summary);
+  } catch (const std::exception& error) {
+    Json left;
+    if (all_here(comm) && close_after(error, simulation, recorder)) left = summary_now("failed");
+    folder.fail(error, left);
+    throw;
   }
-  recorder.finish(simulation);
-  book("output");
-  outcome.summary = summarise(comm, simulation, "completed", walls);
-  add_uncertainty(scene, options, outcome.summary);
-  outcome.failed_expectations = check_expectations(scene, outcome.summary);
-  write_summary(comm, summary_path, outcome.summary);
-  if (rank_of(comm) == 0 && !options.quiet) print(scene, outcome);
+  if (rank_of(comm) == 0 && !options.quiet) print(scene, options, outcome);
   return outcome;
 }
 

@@ -6,6 +6,7 @@
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/writer.hpp"
 #include "stylet/simulation/accuracy.hpp"
 #include "stylet/study/field_sample.hpp"
 #include "stylet/study/pool.hpp"
@@ -64,6 +65,7 @@ class Study {
                        "are no step levels to study; use --step-levels 1");
     }
     result_.quantities = quantities_of(scene);
+    meshes_ = mesh_files(comm, std::span(&scene, 1));
     add_series("mesh", options.mesh_levels, 1);
     add_series("step", 1, options.step_levels);
     add_series("joint", options.mesh_levels, options.step_levels);
@@ -71,14 +73,25 @@ class Study {
 
   Convergence run() {
     result_.folder = study_folder(options_.study, "converge", scene_.file);
+    if (options_.store) {
+      result_.stored = accuracy_path(scene_.file);
+      require_replaceable(result_.stored);
+    }
     Pool pool(comm_, options_.study.ranks_per_run);
-    ResultsFile results(comm_, result_.folder + "/results.csv",
-                        open_study(comm_, result_.folder, options_.study, plan_json(), columns()));
-    agree_after(comm_, [&] {
-      std::error_code failed;
-      if (rank_of(comm_) == 0) std::filesystem::create_directories(fields_folder(), failed);
-      if (failed) throw IoError(fields_folder() + ": cannot be created: " + failed.message());
+    OpenStudy study = open_study(comm_, result_.folder, "converge", {"convergence.json", "fields/"},
+                                 options_.study, plan_json(), columns());
+    in_folder(*study.folder, [&] {
+      run_in(pool, std::move(study.kept));
+      Json summary{{"status", "completed"}, {"runs", result_.runs.size()}};
+      add_identity(summary, meshes_);
+      study.folder->finish(summary);
     });
+    return result_;
+  }
+
+ private:
+  void run_in(Pool& pool, Table kept) {
+    ResultsFile results(comm_, result_.folder + "/results.csv", std::move(kept));
     run_missing(pool, results);
     results.finish();
     read_back();
@@ -93,10 +106,21 @@ class Study {
       result_.extrapolations.push_back(std::move(of_series));
     }
     compare_fields();
-    return result_;
+    check_unused_options();
+    const bool has_file = !meshes_.empty();
+    report(comm_, scene_, result_, has_file ? meshes_.begin()->second : "", options_.study.quiet);
+    if (options_.study.picture) draw(comm_, "converge.py", result_.folder, options_.study.quiet);
   }
 
- private:
+  /// Collective. Found before hours of work, not after.
+  void require_replaceable(const std::string& path) const {
+    agree_after(comm_, [&] {
+      if (rank_of(comm_) == 0 && std::filesystem::exists(path)) {
+        require_own_accuracy(path, read_file(path));
+      }
+    });
+  }
+
   void add_series(const std::string& name, int mesh_levels, int step_levels) {
     const int n = std::max(mesh_levels, step_levels);
     if (n < 2 || (name == "joint" && std::min(mesh_levels, step_levels) < 2)) return;
@@ -130,7 +154,11 @@ class Study {
     for (const auto& run : result_.runs) {
       plan["levels"].push_back({{"refine", run.level.refine}, {"step", run.level.step}});
     }
-    plan["scene"] = studied_text(scene_);
+    Scene scene = scene_;
+    scene.output = {};
+    scene.expect.clear();
+    plan["scene"] = to_yaml(scene);
+    add_identity(plan, meshes_);
     return plan;
   }
 
@@ -193,13 +221,14 @@ class Study {
     keep_scene(group, result_.folder, id_of(task), scene);
     std::vector<FieldSample> samples;
     std::size_t n_seeds = 0;
-    const StudyRun run = run_in_study(group, scene, poll, [&](const Simulation& simulation) {
-      const std::size_t now = simulation.seeds().size();
-      if (now > n_seeds || (simulation.done() && now == 0)) {
-        samples.push_back(field_now(simulation));
-      }
-      n_seeds = now;
-    });
+    const StudyRun run =
+        run_in_study(group, scene, meshes_, poll, [&](const Simulation& simulation) {
+          const std::size_t now = simulation.seeds().size();
+          if (now > n_seeds || (simulation.done() && now == 0)) {
+            samples.push_back(field_now(simulation));
+          }
+          n_seeds = now;
+        });
     agree_after(group, [&] {
       if (rank_of(group) == 0 && run.error.empty()) write_fields(fields_path(task), samples);
     });
@@ -283,16 +312,13 @@ class Study {
   const Scene& scene_;
   const ConvergeOptions& options_;
   Convergence result_;
+  MeshFiles meshes_;
 };
 
 }  // namespace
 
 Convergence converge(MPI_Comm comm, const Scene& scene, const ConvergeOptions& options) {
-  Convergence result = Study(comm, scene, options).run();
-  if (options.store) result.stored = accuracy_path(scene.file);
-  report(comm, scene, result, options.study.quiet);
-  if (options.study.picture) draw(comm, "converge.py", result.folder, options.study.quiet);
-  return result;
+  return Study(comm, scene, options).run();
 }
 
 }  // namespace stylet

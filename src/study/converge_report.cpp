@@ -49,7 +49,9 @@ Json not_studied(const LevelRun& run, std::size_t q) {
              {"uncertainty", 0}}}}};
 }
 
-Json study_json(const Scene& scene, const Convergence& result) {
+Json study_json(const Scene& scene,
+                const Convergence& result,
+                const std::string& mesh_fingerprint) {
   Json study{{"program", STYLET_VERSION}};
   for (const auto& run : result.runs) {
     study["runs"].push_back({{"refine", run.level.refine},
@@ -69,6 +71,7 @@ Json study_json(const Scene& scene, const Convergence& result) {
   }
   study["moments"] = result.moments;
   study["scene"] = studied_text(scene);
+  seal_accuracy(study, mesh_fingerprint);
   return study;
 }
 
@@ -78,7 +81,7 @@ std::pair<double, const char*> shown_in(const std::string& quantity) {
   return {1e3, "mm"};
 }
 
-void print(const Scene& scene, const Convergence& result) {
+void print(const Scene& scene, const Convergence& result, const std::string& mesh_fingerprint) {
   for (std::size_t s = 0; s < result.series.size(); ++s) {
     const Series& series = result.series[s];
     std::printf("%s refined\n%10s  %9s  %9s", series.name.c_str(), "triangles", "step (ms)",
@@ -114,7 +117,7 @@ void print(const Scene& scene, const Convergence& result) {
     }
     std::printf("\n");
   }
-  const Accuracy accuracy("", study_json(scene, result).dump());
+  const Accuracy accuracy("", study_json(scene, result, mesh_fingerprint).dump());
   for (std::size_t q = 0; q < result.quantities.size(); ++q) {
     const LevelRun& run = result.runs.front();
     const auto uncertainty = accuracy.of(result.quantities[q], run.level.refine, run.level.step);
@@ -134,11 +137,16 @@ void print(const Scene& scene, const Convergence& result) {
 
 }  // namespace
 
-void report(MPI_Comm comm, const Scene& scene, const Convergence& result, bool quiet) {
-  const std::string text = rank_of(comm) == 0 ? study_json(scene, result).dump(1) + "\n" : "";
+void report(MPI_Comm comm,
+            const Scene& scene,
+            const Convergence& result,
+            const std::string& mesh_fingerprint,
+            bool quiet) {
+  const std::string text =
+      rank_of(comm) == 0 ? study_json(scene, result, mesh_fingerprint).dump(1) + "\n" : "";
   write_text_atomically(comm, result.folder + "/convergence.json", text);
   if (!result.stored.empty()) write_text_atomically(comm, result.stored, text);
-  if (rank_of(comm) == 0 && !quiet) print(scene, result);
+  if (rank_of(comm) == 0 && !quiet) print(scene, result, mesh_fingerprint);
 }
 
 }  // namespace stylet

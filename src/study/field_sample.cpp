@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 
 namespace stylet {
@@ -55,12 +54,10 @@ void write_fields(const std::string& path, const std::vector<FieldSample>& sampl
                         {"u", sample.u}});
   }
   const auto bytes = nlohmann::json::to_cbor(document);
-  TextFile file(path + ".tmp");
+  TextFile file(path);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   file.close();
-  if (std::rename((path + ".tmp").c_str(), path.c_str()) != 0) {
-    throw_io_error(path, "cannot be replaced");
-  }
+  file.appear();
 }
 
 std::vector<FieldSample> read_fields(const std::string& path) {

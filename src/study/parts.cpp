@@ -1,6 +1,7 @@
 #include "stylet/study/parts.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/output/manifest.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -31,7 +32,10 @@ std::vector<int> numbers_in(const std::string& folder) {
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder, failed)) {
     const auto name = entry.path().filename().string();
-    if (!name.starts_with(prefix) || !fs::exists(entry.path() / "plan.json")) continue;
+    if (!name.starts_with(prefix) || !Manifest(entry.path().string()).exists() ||
+        !fs::exists(entry.path() / "plan.json")) {
+      continue;
+    }
     if (const auto number = number_of(name.substr(prefix.size()))) numbers.push_back(*number);
   }
   std::ranges::sort(numbers);

@@ -13,6 +13,7 @@
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/run.hpp"
 #include "stylet/simulation/simulation.hpp"
+#include "stylet/study/identity.hpp"
 
 #include <nlohmann/json.hpp>
 #include <petsctao.h>
@@ -396,21 +397,19 @@ void print(const Plan& plan, const Scene& given) {
               plan.runs, plan.folder.c_str());
 }
 
-}  // namespace
-
-Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
-  check_options(scene, options);
-  Plan result;
-  result.folder = options.output;
-  if (result.folder.empty()) {
-    result.folder = "out/plan-" + std::filesystem::path(scene.file).stem().string();
-  }
-  prepare_folder(comm, result.folder, options.force);
+/// Collective. What `plan` does once its folder is there.
+void plan_in(OutputFolder& folder,
+             MPI_Comm comm,
+             const Scene& scene,
+             const PlanOptions& options,
+             Plan& result) {
   Planner planner(comm, scene, options, result.folder);
   planner.run(result);
+  check_unused_options();
   result.scene = planner.planned(scene);
   write_text_atomically(comm, result.folder + "/planned.yaml", resolved_text(result.scene));
-  nlohmann::ordered_json summary{{"runs", result.runs}};
+  nlohmann::ordered_json summary{{"status", result.at_ends.empty() ? "completed" : "failed"},
+                                 {"runs", result.runs}};
   for (const auto& seed : result.seeds) {
     summary["seeds"].push_back({{"needle", seed.needle},
                                 {"target", seed.target},
@@ -424,7 +423,25 @@ Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
     }
   }
   if (!result.at_ends.empty()) summary["at_ends_of_ranges"] = result.at_ends;
-  write_summary(comm, result.folder + "/summary.json", summary);
+  add_identity(summary, mesh_files(comm, std::span(&scene, 1)));
+  folder.finish(summary);
+}
+
+}  // namespace
+
+Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
+  check_options(scene, options);
+  Plan result;
+  result.folder = options.output;
+  if (result.folder.empty()) {
+    result.folder = "out/plan-" + std::filesystem::path(scene.file).stem().string();
+  }
+  OutputFolder folder(comm, result.folder, {"plan", {"plan.csv", "planned.yaml"}, {}},
+                      options.force ? Earlier::replace : Earlier::refuse, OnSignal::end);
+  in_folder(folder, [&] {
+    folder.go_on();
+    plan_in(folder, comm, scene, options, result);
+  });
   if (rank_of(comm) == 0 && !options.quiet) print(result, scene);
   if (!result.at_ends.empty()) {
     double most = 0;

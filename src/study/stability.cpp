@@ -8,6 +8,9 @@
 #include "stylet/output/progress.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/simulation.hpp"
+#include "stylet/study/identity.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -274,9 +277,16 @@ Stability stability(MPI_Comm comm, const Scene& scene, const StabilityOptions& o
     result.folder = "out/stability-" + std::filesystem::path(scene.file).stem().string();
   }
   Study study(comm, scene, options, result);
-  prepare_folder(comm, result.folder, options.force);
-  study.measure();
-  report(comm, scene, result, options.quiet);
+  OutputFolder folder(comm, result.folder,
+                      {"stability", {"stability.csv", "stability_implicit.csv"}, {}},
+                      options.force ? Earlier::replace : Earlier::refuse, OnSignal::end);
+  in_folder(folder, [&] {
+    folder.go_on();
+    study.measure();
+    auto summary = report(comm, scene, result, options.quiet);
+    add_identity(summary, mesh_files(comm, std::span(&scene, 1)));
+    folder.finish(summary);
+  });
   return result;
 }
 

@@ -1,5 +1,4 @@
 #include "stylet/output/history.hpp"
-#include "stylet/output/summary.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/study/stability.hpp"
 
@@ -70,6 +69,7 @@ void write_growths(MPI_Comm comm, const Stability& result) {
 
 Json summary_of(const Scene& scene, const Stability& result) {
   Json summary;
+  summary["status"] = "completed";
   summary["scene"] = scene.file;
   summary["safety"] = scene.time.safety;
   // Over all moments; stability.csv has them one by one.
@@ -184,11 +184,11 @@ void print(const Scene& scene, const Stability& result) {
 
 }  // namespace
 
-void report(MPI_Comm comm, const Scene& scene, const Stability& result, bool quiet) {
+Json report(MPI_Comm comm, const Scene& scene, const Stability& result, bool quiet) {
   write_limits(comm, result);
   write_growths(comm, result);
-  write_summary(comm, result.folder + "/summary.json", summary_of(scene, result));
   if (rank_of(comm) == 0 && !quiet) print(scene, result);
+  return summary_of(scene, result);
 }
 
 }  // namespace stylet

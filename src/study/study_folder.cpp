@@ -6,11 +6,13 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/run.hpp"
+#include "stylet/study/identity.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -43,6 +45,34 @@ bool exists(MPI_Comm comm, const std::string& path) {
   return there == 1;
 }
 
+std::string plan_text(const nlohmann::ordered_json& plan) {
+  return plan.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Table rows_of(MPI_Comm comm,
+              const std::string& path,
+              const nlohmann::ordered_json& plan,
+              std::vector<std::string> columns) {
+  const std::string plan_path = path + "/plan.json";
+  const std::string results_path = path + "/results.csv";
+  const std::string earlier = read_on_all(comm, plan_path);
+  if (earlier != plan_text(plan)) {
+    const auto parsed = nlohmann::ordered_json::parse(earlier, nullptr, false);
+    const std::string what = parsed.is_object() ? differences(parsed, plan) : "it is no plan";
+    throw InputError(
+        plan_path +
+        ": the study in this folder was another one, so it cannot go on; what differs: " + what +
+        "; use another folder with --output, or --force to replace it");
+  }
+  if (!exists(comm, results_path)) return {std::move(columns), {}};
+  Table table = read_csv(results_path, read_on_all(comm, results_path));
+  if (!table.columns.empty() && table.columns != columns) {
+    throw InputError(results_path + ": its columns are not those of this study");
+  }
+  table.columns = std::move(columns);
+  return table;
+}
+
 }  // namespace
 
 std::string study_folder(const StudyOptions& options,
@@ -52,44 +82,43 @@ std::string study_folder(const StudyOptions& options,
   return "out/" + verb + "-" + fs::path(file).stem().string();
 }
 
-bool holds_study(MPI_Comm comm, const std::string& folder) {
-  return exists(comm, folder + "/plan.json");
-}
-
-Table open_study(MPI_Comm comm,
-                 const std::string& folder,
-                 const StudyOptions& options,
-                 const nlohmann::ordered_json& plan,
-                 std::vector<std::string> columns) {
-  const std::string plan_path = folder + "/plan.json";
-  const std::string results_path = folder + "/results.csv";
-  const std::string text = plan.dump(1) + "\n";
+OpenStudy open_study(MPI_Comm comm,
+                     const std::string& path,
+                     const std::string& verb,
+                     std::vector<std::string> names,
+                     const StudyOptions& options,
+                     const nlohmann::ordered_json& plan,
+                     std::vector<std::string> columns) {
   if (options.resume && options.force) {
     throw InputError("--resume keeps earlier results, --force replaces them: give one of them");
   }
-  if (options.resume && exists(comm, plan_path)) {
-    if (read_on_all(comm, plan_path) != text) {
-      throw InputError(plan_path +
-                       ": the study in this folder was another one, so it cannot be resumed; use "
-                       "another folder with --output, or --force to replace it");
-    }
-    if (!exists(comm, results_path)) return {std::move(columns), {}};
-    Table table = read_csv(results_path, read_on_all(comm, results_path));
-    if (!table.columns.empty() && table.columns != columns) {
-      throw InputError(results_path + ": its columns are not those of this study");
-    }
-    table.columns = std::move(columns);
-    return table;
+  names.insert(names.end(), {"plan.json", "results.csv", "scenes/", "study.png", "report.md"});
+  const Earlier earlier = options.resume  ? Earlier::keep
+                          : options.force ? Earlier::replace
+                                          : Earlier::refuse;
+  OpenStudy study;
+  // Rows of results.csv may have been taken out, to compute them again.
+  study.folder = std::make_unique<OutputFolder>(
+      comm, path, Contents{verb, std::move(names), {"results.csv"}}, earlier, OnSignal::end);
+  if (exists(comm, path + "/plan.json")) {
+    study.kept = rows_of(comm, path, plan, std::move(columns));
+  } else {
+    study.kept.columns = std::move(columns);
+    write_text_atomically(comm, path + "/plan.json", plan_text(plan));
   }
-  prepare_folder(comm, folder, options.force);
+  study.folder->go_on();
+  return study;
+}
+
+Table read_study(MPI_Comm comm,
+                 const std::string& path,
+                 const nlohmann::ordered_json& plan,
+                 std::vector<std::string> columns) {
+  std::optional<FolderLock> lock;
   agree_after(comm, [&] {
-    if (rank_of(comm) != 0) return;
-    std::error_code failed;
-    fs::create_directories(folder + "/scenes", failed);
-    if (failed) throw IoError(folder + "/scenes: cannot be created: " + failed.message());
+    if (rank_of(comm) == 0) lock.emplace(path);
   });
-  write_text_atomically(comm, plan_path, text);
-  return {std::move(columns), {}};
+  return rows_of(comm, path, plan, std::move(columns));
 }
 
 void keep_scene(MPI_Comm comm,

@@ -20,6 +20,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <set>
 
 namespace stylet {
 
@@ -45,16 +46,31 @@ class Sweep {
     for (const auto& change : campaign.set) apply_override(document, scene_file_, change);
     plan_ = plan_runs(campaign, document);
     check_outputs(scene_of(0));  // a wrong key or output strikes all runs
+    meshes_ = mesh_files(comm, scenes_by_mesh());
   }
 
   SweepOutcome run(bool join) {
-    const auto start = std::chrono::steady_clock::now();
     SweepOutcome outcome;
     outcome.folder = study_folder(options_, "sweep", campaign_.file);
     if (part_) outcome.folder = part_folder(outcome.folder, *part_);
     Pool pool(comm_, options_.ranks_per_run);
-    ResultsFile results(comm_, outcome.folder + "/results.csv",
-                        join ? joined(outcome.folder) : opened(outcome.folder, options_));
+    if (part_) mark_parent(comm_, study_folder(options_, "sweep", campaign_.file));
+    StudyOptions how = options_;
+    // A folder of parts holds no study yet; nothing of theirs is removed.
+    if (join && !how.force) how.resume = true;
+    OpenStudy study = open_study(comm_, outcome.folder, "sweep", {"statistics.json"}, how,
+                                 plan_json(), columns());
+    in_folder(*study.folder,
+              [&] { run_in(*study.folder, std::move(study.kept), join, outcome, pool); });
+    return outcome;
+  }
+
+ private:
+  void run_in(OutputFolder& folder, Table kept, bool join, SweepOutcome& outcome, Pool& pool) {
+    const auto start = std::chrono::steady_clock::now();
+    kept = whole_runs(std::move(kept));
+    if (join) join_parts(outcome.folder, kept);
+    ResultsFile results(comm_, outcome.folder + "/results.csv", std::move(kept));
     const auto own = own_runs();
     const auto missing = missing_runs(own, results.table());
     outcome.runs = static_cast<int>(own.size());
@@ -98,10 +114,28 @@ class Sweep {
       throw NumericalError("all runs of the campaign failed; " + outcome.folder +
                            "/results.csv has the reasons");
     }
-    return outcome;
+    if (options_.picture && !part_) draw(comm_, "sweep.py", outcome.folder, options_.quiet);
+    check_unused_options();
+    Json summary{{"status", "completed"}, {"runs", outcome.runs}, {"failed", outcome.failed}};
+    add_identity(summary, meshes_);
+    folder.finish(summary);
   }
 
- private:
+  /// A scene for each mesh file that the runs name.
+  [[nodiscard]] std::vector<Scene> scenes_by_mesh() const {
+    std::set<std::vector<std::string>> named;
+    std::vector<Scene> scenes;
+    for (const auto& run : plan_.runs) {
+      std::vector<std::string> changes;
+      std::ranges::copy_if(run.overrides, std::back_inserter(changes),
+                           [](const auto& change) { return change.starts_with("mesh"); });
+      if (!named.insert(changes).second) continue;
+      changes.insert(changes.begin(), campaign_.set.begin(), campaign_.set.end());
+      scenes.push_back(load_scene(scene_file_, scene_text_, changes));
+    }
+    return scenes;
+  }
+
   void check_outputs(const Scene& scene) const {
     std::vector<std::string> paths;
     for (const auto& quantity : summary_quantities(scene)) paths.push_back(quantity.path);
@@ -167,28 +201,16 @@ class Sweep {
     for (const auto& run : plan_.runs) plan["changes"].push_back(run.overrides);
     plan["set"] = campaign_.set;
     plan["scene"] = scene_text_;
+    add_identity(plan, meshes_);
     return plan;
   }
 
-  /// Opens the folder of the campaign or of a part; what is there of whole runs.
-  [[nodiscard]] Table opened(const std::string& folder, const StudyOptions& how) const {
-    return whole_runs(open_study(comm_, folder, how, plan_json(), columns()));
-  }
-
-  /// The parts' results, beside what the folder had before; the first of a run counts.
-  [[nodiscard]] Table joined(const std::string& folder) const {
-    const auto parts = parts_in(comm_, folder);
-    StudyOptions how = options_;
-    // A folder that has the parts only is no reason to refuse; nothing of theirs is removed.
-    how.resume = !how.force && holds_study(comm_, folder);
-    how.force = !how.resume;
-    Table table = opened(folder, how);
-    how.resume = true;
-    how.force = false;
-    for (const auto& part : parts) {
+  /// Adds the parts' results to what the folder had before; the first of a run counts.
+  void join_parts(const std::string& folder, Table& table) const {
+    for (const auto& part : parts_in(comm_, folder)) {
       const auto wanted = missing_runs(all_runs(), table);
       std::vector<std::string> taken;
-      for (auto& row : opened(part, how).rows) {
+      for (auto& row : whole_runs(read_study(comm_, part, plan_json(), columns())).rows) {
         if (std::ranges::none_of(wanted, [&](int run) { return row.front() == id_of(run); })) {
           continue;
         }
@@ -197,7 +219,6 @@ class Sweep {
       }
       take_scenes(comm_, folder, part, taken);
     }
-    return table;
   }
 
   /// Without runs of which a kill left some rows only.
@@ -245,7 +266,7 @@ class Sweep {
     try {
       const Scene scene = scene_of(task);
       keep_scene(group, folder, id_of(task), scene);
-      run = run_in_study(group, scene, poll);
+      run = run_in_study(group, scene, meshes_, poll);
     } catch (const InputError& error) {
       run.error = one_line(error.what());
     }
@@ -315,16 +336,13 @@ class Sweep {
   std::string scene_file_;
   std::string scene_text_;
   CampaignPlan plan_;
+  MeshFiles meshes_;
 };
 
 }  // namespace
 
 SweepOutcome sweep(MPI_Comm comm, const Campaign& campaign, const SweepOptions& options) {
-  SweepOutcome outcome = Sweep(comm, campaign, options).run(options.join);
-  if (options.study.picture && !options.part) {
-    draw(comm, "sweep.py", outcome.folder, options.study.quiet);
-  }
-  return outcome;
+  return Sweep(comm, campaign, options).run(options.join);
 }
 
 }  // namespace stylet

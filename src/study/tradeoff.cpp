@@ -2,7 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/output/folder.hpp"
+#include "stylet/base/units.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
@@ -12,12 +12,10 @@
 #include "stylet/study/study_run.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 namespace stylet {
 
@@ -26,9 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* quantity = "seeds.0.placement_error";
-constexpr const char* usual = "backward_euler";
-constexpr const char* slow_limit = "quasi_static";
-constexpr double patience = 10;  // times the usual way's time at equal mesh and step
+constexpr double patience = 10;  // times the usual way's steps at equal mesh and step
 
 /// Each differs from the usual way in one thing.
 std::vector<Way> ways(bool has_shortcut) {
@@ -37,10 +33,10 @@ std::vector<Way> ways(bool has_shortcut) {
   const std::string euler = "time.scheme=backward_euler";
   const std::string explicit_steps = "time.method=explicit";
   return {
-      {usual, {implicit, euler, shortcut}},
+      {usual_way, {implicit, euler, shortcut}},
       {"generalised_alpha", {implicit, "time.scheme=generalised_alpha", shortcut}},
       {"average_acceleration", {implicit, "time.scheme=average_acceleration", shortcut}},
-      {slow_limit, {"time.method=quasi_static", shortcut}},
+      {slow_limit_way, {"time.method=quasi_static", shortcut}},
       {"lagged_cutting", {implicit, euler, shortcut, "needles.0.cutting.law=lagged"}},
       {"quasi_static_lagged",
        {"time.method=quasi_static", shortcut, "needles.0.cutting.law=lagged"}},
@@ -81,6 +77,7 @@ class Study {
     if (options.mesh_levels < 1 || options.step_levels < 1 || options.repeats < 1) {
       throw InputError("tradeoff: --mesh-levels, --step-levels and --repeats: allowed: 1 or more");
     }
+    meshes_ = mesh_files(comm, std::span(&scene, 1));
     const bool has_shortcut = allows("time.until=implanted");
     for (const Way& way : ways(has_shortcut)) {
       if (way.name == "whole_procedure" && !has_shortcut) continue;  // all are
@@ -98,12 +95,30 @@ class Study {
 
   Tradeoff run() {
     result_.folder = study_folder(options_.study, "tradeoff", file_);
-    ResultsFile results(comm_, result_.folder + "/results.csv",
-                        open_study(comm_, result_.folder, options_.study, plan_json(), columns()));
-    int n_rows = static_cast<int>(results.table().rows.size());
-    check_mpi(MPI_Bcast(&n_rows, 1, MPI_INT, 0, comm_));
+    OpenStudy study = open_study(comm_, result_.folder, "tradeoff", {"tradeoff.json"},
+                                 options_.study, plan_json(), columns());
+    in_folder(*study.folder, [&] {
+      run_in(std::move(study.kept));
+      Json summary{{"status", "completed"}, {"runs", result_.runs.size()}};
+      add_identity(summary, meshes_);
+      study.folder->finish(summary);
+    });
+    return result_;
+  }
+
+ private:
+  void run_in(Table kept) {
+    // Rows are in the order of the runs; behind a missing one they are run again.
+    std::size_t n_rows = 0;
+    while (n_rows < kept.rows.size() && kept.rows[n_rows].front() == id_of(n_rows)) ++n_rows;
+    kept.rows.resize(n_rows);
+    for (std::size_t i = 0; i < n_rows; ++i) {
+      const auto steps = plain_number(kept.rows[i][kept.column("steps")]);
+      if (steps) remember_steps(i, *steps);
+    }
+    ResultsFile results(comm_, result_.folder + "/results.csv", std::move(kept));
     Progress progress(comm_, options_.study.quiet);
-    for (std::size_t i = static_cast<std::size_t>(n_rows); i < result_.runs.size(); ++i) {
+    for (std::size_t i = n_rows; i < result_.runs.size(); ++i) {
       const auto row = measure(i, [&](double own) {
         if (!progress.due()) return;
         progress.update((static_cast<double>(i) + own) / static_cast<double>(result_.runs.size()),
@@ -114,10 +129,11 @@ class Study {
     }
     results.finish();
     read_back();
-    return result_;
+    check_unused_options();
+    report(comm_, result_, options_.study.quiet);
+    if (options_.study.picture) draw(comm_, "tradeoff.py", result_.folder, options_.study.quiet);
   }
 
- private:
   [[nodiscard]] bool allows(const std::string& change) const {
     auto changes = changes_;
     changes.push_back(change);
@@ -142,10 +158,18 @@ class Study {
   }
 
   [[nodiscard]] Json plan_json() const {
-    return {{"study", "tradeoff"},
-            {"repeats", options_.repeats},
-            {"changes", overrides_},
-            {"scene", text_}};
+    Json plan{{"study", "tradeoff"},
+              {"repeats", options_.repeats},
+              {"changes", overrides_},
+              {"scene", text_}};
+    add_identity(plan, meshes_);
+    return plan;
+  }
+
+  static std::string id_of(std::size_t i) {
+    char text[24];
+    std::snprintf(text, sizeof text, "%05zu", i);
+    return text;
   }
 
   static std::vector<std::string> columns() {
@@ -158,13 +182,11 @@ class Study {
                                const StudyRun& run,
                                std::vector<double> times) const {
     std::ranges::sort(times);
-    char id[24];
-    std::snprintf(id, sizeof id, "%05zu", i);
     const auto number = [&](const char* path) {
       const auto value = find_number(run.summary, path);
       return value ? exact(*value) : "";
     };
-    return {id,
+    return {id_of(i),
             result_.runs[i].way,
             run.error.empty() ? "done" : "failed",
             std::to_string(result_.runs[i].refine),
@@ -184,15 +206,11 @@ class Study {
     std::vector<double> times;
     try {
       const Scene scene = load_scene(file_, text_, overrides_[i]);
-      char id[24];
-      std::snprintf(id, sizeof id, "%05zu", i);
-      keep_scene(comm_, result_.folder, id, scene);
+      keep_scene(comm_, result_.folder, id_of(i), scene);
       double total = 0;
       while (static_cast<int>(times.size()) < options_.repeats && total < long_run) {
-        const auto start = std::chrono::steady_clock::now();
-        run = run_in_study(comm_, scene, [&](double own) {
-          poll(own);
-          stop_if_hopeless(i, std::chrono::steady_clock::now() - start);
+        run = run_in_study(comm_, scene, meshes_, poll, [&](const Simulation& simulation) {
+          stop_if_hopeless(i, simulation.counts().sub_steps);
         });
         // All ranks decide by the same clock.
         check_mpi(MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_));
@@ -204,21 +222,25 @@ class Study {
       run.error = one_line(error.what());
     }
     if (times.empty()) times.push_back(0);
-    if (result_.runs[i].way == usual)
-      usual_times_[{result_.runs[i].refine, result_.runs[i].step}] = times[0];
+    if (const auto steps = find_number(run.summary, "sub_steps")) remember_steps(i, *steps);
     return row(i, run, times);
   }
 
-  /// Collective. Throws NumericalError: undamped tissue may never settle.
-  void stop_if_hopeless(std::size_t i, std::chrono::duration<double> elapsed) {
+  void remember_steps(std::size_t i, double steps) {
     const TradeoffRun& run = result_.runs[i];
-    const auto known = usual_times_.find({run.refine, run.step});
-    if (run.way.starts_with("explicit") || known == usual_times_.end()) return;
-    int hopeless = elapsed.count() > patience * known->second ? 1 : 0;
-    check_mpi(MPI_Bcast(&hopeless, 1, MPI_INT, 0, comm_));  // by the same clock
-    if (hopeless == 0) return;
-    throw NumericalError("stopped after " + std::to_string(static_cast<int>(patience)) +
-                         " times the time of " + usual);
+    if (run.way == usual_way) usual_steps_[{run.refine, run.step}] = steps;
+  }
+
+  /// Throws NumericalError: undamped tissue may never settle. Counted in steps, so that it does not
+  /// depend on the machine.
+  void stop_if_hopeless(std::size_t i, long long steps) const {
+    const TradeoffRun& run = result_.runs[i];
+    const auto known = usual_steps_.find({run.refine, run.step});
+    if (run.way.starts_with("explicit") || known == usual_steps_.end()) return;
+    if (static_cast<double>(steps) <= patience * known->second) return;
+    throw NumericalError("stopped after " + std::to_string(steps) + " steps, " +
+                         std::to_string(static_cast<int>(patience)) + " times those of " +
+                         usual_way);
   }
 
   void read_back() {
@@ -264,108 +286,10 @@ class Study {
   std::vector<std::string> changes_;
   const TradeoffOptions& options_;
   std::vector<std::vector<std::string>> overrides_;
-  std::map<std::pair<int, double>, double> usual_times_;  ///< s, by refine and step; of this start
+  std::map<std::pair<int, double>, double> usual_steps_;  ///< by refine and step
   Tradeoff result_;
+  MeshFiles meshes_;
 };
-
-std::string label(const TradeoffRun& run) {
-  char text[100];
-  std::snprintf(text, sizeof text, "%s, mesh.refine %d, step %.4g ms", run.way.c_str(), run.refine,
-                1e3 * run.step);
-  return text;
-}
-
-std::vector<const TradeoffRun*> front_of(const Tradeoff& result) {
-  std::vector<const TradeoffRun*> front;
-  for (const auto& run : result.runs) {
-    if (run.on_front) front.push_back(&run);
-  }
-  std::ranges::sort(front, {}, &TradeoffRun::seconds);
-  return front;
-}
-
-/// What inertia and damping do: the usual way against the quasi-static one at equal mesh and step.
-std::optional<double> dynamic_share(const Tradeoff& result) {
-  std::optional<double> largest;
-  for (const auto& a : result.runs) {
-    if (a.way != usual || !a.failure.empty()) continue;
-    for (const auto& b : result.runs) {
-      if (b.way != slow_limit || !b.failure.empty() || b.refine != a.refine || b.step != a.step)
-        continue;
-      largest = std::max(largest.value_or(0), std::abs(a.value - b.value));
-    }
-  }
-  return largest;
-}
-
-std::vector<std::string> advice(const Tradeoff& result) {
-  constexpr double wanted[] = {1e-3, 0.5e-3, 0.2e-3, 0.1e-3, 0.05e-3};
-  std::vector<std::string> lines;
-  const auto front = front_of(result);
-  for (const double target : wanted) {
-    const auto best =
-        std::ranges::find_if(front, [&](const auto* run) { return run->safe_error <= target; });
-    char text[200];
-    if (best == front.end()) {
-      std::snprintf(text, sizeof text, "for %g mm: none of these; refine further", 1e3 * target);
-    } else {
-      std::snprintf(text, sizeof text, "for %g mm: %s, %.3g s", 1e3 * target, label(**best).c_str(),
-                    (*best)->seconds);
-    }
-    lines.emplace_back(text);
-  }
-  if (const auto share = dynamic_share(result)) {
-    char text[120];
-    std::snprintf(text, sizeof text,
-                  "going dynamic changes the placement error by up to %.3f mm at this speed",
-                  1e3 * *share);
-    lines.emplace_back(text);
-  }
-  return lines;
-}
-
-Json json_of(const Tradeoff& result) {
-  Json json{{"reference", result.reference}, {"advice", advice(result)}};
-  for (const auto& run : result.runs) {
-    Json entry{{"way", run.way}, {"refine", run.refine}, {"step", run.step}};
-    if (run.failure.empty()) {
-      entry.update({{"placement_error", run.value},
-                    {"error", run.error},
-                    {"safe_error", run.safe_error},
-                    {"seconds", run.seconds},
-                    {"on_front", run.on_front}});
-    } else {
-      entry["failure"] = run.failure;
-    }
-    json["runs"].push_back(entry);
-  }
-  return json;
-}
-
-void print(const Tradeoff& result) {
-  const TradeoffRun& finest = result.runs.back();
-  std::printf(
-      "reference: %.4f mm (%s, %.3g s)\n\nPareto front: nothing faster is as accurate; errors are "
-      "the largest of a run and all finer ones "
-      "of its way\n",
-      1e3 * result.reference, label(finest).c_str(), finest.seconds);
-  std::printf("%9s  %10s  %16s  %s\n", "time (s)", "error (mm)", "digits a second", "");
-  for (const TradeoffRun* run : front_of(result)) {
-    const double digits =
-        std::log10(result.reference / std::max(run->safe_error, 1e-12 * result.reference));
-    std::printf("%9.3f  %10.4f  %16.3g  %s\n", run->seconds, 1e3 * run->safe_error,
-                digits / run->seconds, label(*run).c_str());
-  }
-  std::printf("\n");
-  for (const auto& line : advice(result)) std::printf("%s\n", line.c_str());
-  std::string told;
-  for (const auto& run : result.runs) {
-    if (run.failure.empty() || run.way == told) continue;
-    told = run.way;
-    std::printf("%s failed: %s\n", run.way.c_str(), run.failure.c_str());
-  }
-  std::printf("files in %s: results.csv, tradeoff.json, scenes\n", result.folder.c_str());
-}
 
 }  // namespace
 
@@ -374,11 +298,7 @@ Tradeoff tradeoff(MPI_Comm comm,
                   const std::string& text,
                   const std::vector<std::string>& changes,
                   const TradeoffOptions& options) {
-  Tradeoff result = Study(comm, scene_file, text, changes, options).run();
-  write_summary(comm, result.folder + "/tradeoff.json", json_of(result));
-  if (rank_of(comm) == 0 && !options.study.quiet) print(result);
-  if (options.study.picture) draw(comm, "tradeoff.py", result.folder, options.study.quiet);
-  return result;
+  return Study(comm, scene_file, text, changes, options).run();
 }
 
 }  // namespace stylet

@@ -13,7 +13,9 @@ import unittest
 PROGRAM = os.environ["STYLET"]
 SOURCE = pathlib.Path(os.environ["STYLET_SOURCE"])
 DONE, OTHER, BAD_INPUT, NUMERICAL, IO = 0, 1, 2, 3, 4
-TIMEOUT = 120  # s; the runs below take seconds, a busy machine may need longer
+TIMEOUT = 250  # s; the runs below take seconds, a busy machine may need longer
+AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+           "OMPI_MCA_mpi_yield_when_idle": "1"}
 
 # A needle in a block of two regions: small, yet with every part that can be wrong.
 NEEDLE_SCENE = """\
@@ -93,6 +95,14 @@ def call(command, cwd, **options):
     return Outcome(done.returncode, done.stdout, own_lines(done.stderr))
 
 
+def on_ranks(n, cwd, *arguments, environment=os.environ, **options):
+    """The program on n ranks; mpirun's own environment is as the tests need it."""
+    command = [PROGRAM, *map(str, arguments)]
+    if n > 1:
+        command = [os.environ["STYLET_MPIEXEC"], "--oversubscribe", "-n", str(n), *command]
+    return call(command, cwd, env=environment | AS_ROOT, **options)
+
+
 def block_mesh(n=2, edit=lambda triangles: triangles, region=1):
     """Gmsh 2.2 text of a 2 x 2 cm block of n x n squares; `edit` changes the list of triangles.
 
@@ -142,6 +152,19 @@ class CliTest(unittest.TestCase):
 
     def stylet(self, *arguments, **options):
         return call([PROGRAM, *map(str, arguments)], self.folder, **options)
+
+    def background(self, command, **options):
+        """A process that ends with the test."""
+        process = subprocess.Popen(list(map(str, command)), cwd=self.folder, **options)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def unseal(self, folder):
+        """Makes a folder what a killed program leaves: it cannot have fingerprints of its files."""
+        marks = self.folder / folder / ".stylet"
+        lines = marks.read_text().splitlines(True)
+        marks.write_text("".join(line for line in lines if not line.startswith("sealed ")))
 
     def assert_code(self, outcome, code):
         self.assertEqual(outcome.code, code, str(outcome))

@@ -42,6 +42,7 @@ class CommandLine(CliTest):
             "time.stepp=1 ms": ["'time.stepp'", "'1 ms'", "nearest known key is 'time.step'"],
             "step=1 ms": ["'step'", "'time.step'"],
             "time.step=5": ["'5'", "needs a unit", "> 0 s"],
+            "time.step=1e-13 s": ["'time.step'", "too short", "1e12 steps"],
             "time.step=5 N": ["'5 N'", "not convertible to s"],
             "time.step": ["allowed: key=value"],
             "=": ["allowed: key=value"],

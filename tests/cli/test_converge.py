@@ -71,6 +71,7 @@ class Studies(CliTest):
         table = self.folder / "out/converge-scene/results.csv"
         whole = table.read_text()
         table.write_text("".join(whole.splitlines(True)[:3]) + "00002,do")
+        self.unseal("out/converge-scene")
         self.assert_refused(self.stylet("converge", "scene.yaml", *options), "not empty")
         two = call([os.environ["STYLET_MPIEXEC"], "--oversubscribe", "-n", "2", PROGRAM, "converge",
                     "scene.yaml", *options, "--resume"], self.folder, env=os.environ | ROOT)

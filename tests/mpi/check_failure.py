@@ -3,29 +3,24 @@
 
 usage: check_failure.py EXIT_CODE TEXT COMMAND...
 
-TEXT must be printed exactly once (empty: not checked). The job must end within ten seconds:
-run_guarded waits two for the other ranks, the rest is the start of the job on a busy machine.
+TEXT must be printed exactly once (empty: not checked). A job that hangs fails; how long another
+takes depends on the machine.
 """
 import subprocess
 import sys
-import time
 
-LONGEST = 10.0
+LONGEST = 200  # s; run_guarded waits two for the other ranks
 
 
 def main():
     code, text, command = int(sys.argv[1]), sys.argv[2], sys.argv[3:]
-    start = time.monotonic()
     try:
-        job = subprocess.run(command, capture_output=True, text=True, timeout=30, check=False)
+        job = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST, check=False)
     except subprocess.TimeoutExpired:
         sys.exit("the job hangs")
-    seconds = time.monotonic() - start
     problems = []
     if job.returncode != code:
         problems.append(f"exit code {job.returncode}, not {code}")
-    if seconds > LONGEST:
-        problems.append(f"took {seconds:.1f} s")
     if text and (job.stdout + job.stderr).count(text) != 1:
         problems.append(f"'{text}' is not printed once")
     if problems:

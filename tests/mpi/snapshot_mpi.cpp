@@ -131,7 +131,8 @@ class Example {
 };
 
 void write_example(MPI_Comm comm, const std::string& folder, int columns, int n_frames) {
-  prepare_folder(comm, folder, true);
+  if (rank_of(comm) == 0) std::filesystem::create_directories(folder);
+  check_mpi(MPI_Barrier(comm));
   const Example example(comm, columns);
   SnapshotWriter snapshots(comm, folder);
   HistoryWriter history(comm, folder + "/history.csv", {{"time", "s"}, {"seconds", "s"}});
@@ -154,7 +155,11 @@ void write_example(MPI_Comm comm, const std::string& folder, int columns, int n_
 std::string shared_folder(const std::string& name) {
   const std::string base = std::filesystem::temp_directory_path() / "stylet_snapshot_mpi";
   const std::string folder = base + "_" + std::to_string(size_of(MPI_COMM_WORLD)) + "/" + name;
-  prepare_folder(MPI_COMM_WORLD, folder, true);
+  if (rank_of(MPI_COMM_WORLD) == 0) {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+  }
+  check_mpi(MPI_Barrier(MPI_COMM_WORLD));
   return folder;
 }
 

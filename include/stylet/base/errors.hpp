@@ -36,4 +36,15 @@ class IoError : public Error {
   explicit IoError(const std::string& message) : Error(ExitCode::io, message) {}
 };
 
+/// Asked to end by a signal; the exit code is 128 and its number, as a shell's.
+class Stopped : public std::runtime_error {
+ public:
+  Stopped(int signal, const char* name)
+      : std::runtime_error(std::string("stopped by signal ") + name), signal_(signal) {}
+  [[nodiscard]] int code() const noexcept { return 128 + signal_; }
+
+ private:
+  int signal_;
+};
+
 }  // namespace stylet

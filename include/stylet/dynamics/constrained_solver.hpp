@@ -49,7 +49,8 @@ class ConstrainedSolver {
   static PetscErrorCode multiply(Mat shell, Vec x, Vec y);
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   void adopt(Mat a, Vec like);
-  int run(Vec rhs, Vec x, const char* what);
+  int run(Vec rhs, Vec x, const char* what, double& scale);
+  void require_solved(Vec rhs, Vec x, const char* what, double& scale);
   void project(Vec x) const;
 
   MPI_Comm comm_;
@@ -65,6 +66,8 @@ class ConstrainedSolver {
   OwnedVec unit_;
   OwnedVec weights_;
   OwnedVec response_;
+  OwnedVec residual_;
+  double largest_rhs_ = 0;
   bool stale_ = true;
 };
 

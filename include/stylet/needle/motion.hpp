@@ -49,7 +49,7 @@ class Motion {
   double tip_ = 0;
   double elapsed_ = 0;  ///< in this action
   double h_ = 0;        ///< of this action's steps; 0 before the first
-  int left_ = 0;        ///< steps of length h_ left; 0 if the end is not known
+  long long left_ = 0;  ///< steps of length h_ left; 0 if the end is not known
 };
 
 }  // namespace stylet

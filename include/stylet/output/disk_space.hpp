@@ -11,4 +11,8 @@ namespace stylet {
 /// Not collective.
 void reserve_space(const std::string& path, std::uint64_t bytes);
 
+/// Throws an IoError in the name of `path` unless a file `draft` of so many bytes can be made; removes
+/// it again. Not collective.
+void require_room(const std::string& draft, const std::string& path, std::uint64_t bytes);
+
 }  // namespace stylet

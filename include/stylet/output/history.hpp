@@ -32,6 +32,8 @@ class HistoryWriter {
   /// Not collective and no communication; the row of ranks other than 0 is not used. A failure is
   /// kept for the next flush.
   void write(std::span<const double> row);
+  /// Not collective. Whether this rank knows of a failure, so that the next flush will throw.
+  [[nodiscard]] bool failed() const { return failure_.has_value(); }
   /// Collective. All ranks throw exit code `io` if a write failed since the start.
   void flush();
   /// Collective. flush, then waits for the disk.

@@ -31,8 +31,11 @@ void agree_after(MPI_Comm comm, Body&& body) {
   agree(comm, failure);
 }
 
-/// Collective. The bytes of a file, read on rank 0 and sent to all. Throws InputError if it cannot
-/// be read.
+/// Not collective. The bytes of a file. Throws InputError if there is no such file or it must not be
+/// read, IoError where reading fails.
+[[nodiscard]] std::string read_file(const std::string& path);
+
+/// Collective. read_file on rank 0, sent to all.
 std::string read_on_all(MPI_Comm comm, const std::string& path);
 
 }  // namespace stylet

@@ -4,6 +4,8 @@
 #include <mpi.h>
 
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace stylet {
 
@@ -11,7 +13,8 @@ namespace stylet {
 /// exception is unwinding it aborts the job, because other ranks may wait in a collective call.
 class Session {
  public:
-  /// Collective. argc and argv are PETSc's options only.
+  /// Collective. argc and argv are PETSc's options only; the environment and files named petscrc
+  /// have no say.
   Session(int argc, char** argv);
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -27,10 +30,17 @@ class Session {
 /// Ends all ranks at once with this exit code.
 [[noreturn]] void abort_job(int exit_code);
 
+/// Whether all ranks get here within two seconds: an error that struck some of them only has left
+/// the others waiting.
+[[nodiscard]] bool all_here(MPI_Comm comm);
+
 /// Runs the body of main and returns the exit code. An Error that all ranks throw is printed once.
-/// If the other ranks do not get here within two seconds the error struck some ranks only and the
-/// others wait for them: then the rank is named and the job aborted with the error's exit code.
+/// If the error struck some ranks only, the rank is named and the job aborted with its exit code.
+/// Standard output that could not be written is exit code `io`.
 int run_guarded(const std::function<int()>& body);
+
+/// The session's options as they were given, each with its value.
+[[nodiscard]] const std::vector<std::string>& solver_options();
 
 /// Collective. Throws InputError for PETSc options that nothing has asked for so far.
 void check_unused_options();

@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace stylet {
 
@@ -30,11 +31,13 @@ struct StudiedLevel {
 
 class Accuracy {
  public:
-  /// Throws InputError if the text is not that of a study.
+  /// Throws InputError if the text is not that of a study, was stored without fingerprints, or was
+  /// changed since.
   Accuracy(const std::string& path, const std::string& text);
 
-  /// The same scene but for mesh.refine, time.step, time.until, output and expect.
-  [[nodiscard]] bool is_of(const Scene& scene) const;
+  /// Why the study does not hold for a scene whose mesh file has this fingerprint; empty if it does.
+  /// mesh.refine, time.step, time.until, output and expect may differ.
+  [[nodiscard]] std::string mismatch(const Scene& scene, const std::string& mesh_fingerprint) const;
   /// Of a number of summary.json at a level of refinement; none where the study does not say: a
   /// coarser mesh or a longer step than it has, another quantity.
   [[nodiscard]] std::optional<Uncertainty> of(const std::string& quantity,
@@ -48,6 +51,16 @@ class Accuracy {
   std::string path_;
   nlohmann::ordered_json study_;
 };
+
+/// Adds the study's identity to its text: program, solver options, mesh file, and a fingerprint of all
+/// of it.
+void seal_accuracy(nlohmann::ordered_json& study, const std::string& mesh_fingerprint);
+
+/// Throws InputError unless this program wrote the text, now or before there were fingerprints.
+void require_own_accuracy(const std::string& path, const std::string& text);
+
+/// The options after -- but for those that only show something.
+[[nodiscard]] std::vector<std::string> deciding_options();
 
 /// What two scenes have to share for the study of one to hold for the other.
 [[nodiscard]] std::string studied_text(Scene scene);

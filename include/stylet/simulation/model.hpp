@@ -20,7 +20,11 @@ struct NumberedMesh {
   std::vector<int> first_node;  ///< rank r owns nodes first_node[r] .. first_node[r+1]-1
   std::vector<int> new_of_old_node;
   std::vector<int> old_cell_of_new;
+  std::string file_fingerprint = {};  ///< of the bytes of mesh.file; empty for a rectangle
 };
+
+/// The mesh file of a scene, found from the scene's folder; empty for a rectangle.
+[[nodiscard]] std::string mesh_path(const Scene& scene);
 
 /// The scene in the needle's coordinates (geometry/rotation.hpp): points, loads and displacements;
 /// the mesh is turned by make_mesh.

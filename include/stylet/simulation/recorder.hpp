@@ -22,8 +22,12 @@ class Recorder {
 
   /// Collective. A row of the history, and a snapshot when its time has come.
   void record(const Simulation& simulation, const StepRecord& step);
+  /// Not collective. Whether this rank knows that the history cannot be written; `close` throws.
+  [[nodiscard]] bool failed() const { return history_ && history_->failed(); }
   /// Collective. The last snapshot; closes the files.
   void finish(const Simulation& simulation);
+  /// Collective. Without a last snapshot.
+  void close();
   [[nodiscard]] int n_snapshots() const { return snapshots_ ? snapshots_->n_written() : 0; }
 
  private:

@@ -16,7 +16,8 @@ struct RunOptions {
   std::string output;  ///< folder; empty: the scene's, or out/<name of the scene file>
   bool force = false;  ///< write into a folder that holds an earlier run
   bool quiet = false;
-  std::optional<Accuracy> accuracy;  ///< of this scene, for the uncertainty of its numbers
+  std::optional<Accuracy> accuracy;   ///< of this scene, for the uncertainty of its numbers
+  std::string accuracy_missing = {};  ///< why the one that is stored does not hold
 };
 
 struct RunOutcome {

@@ -32,17 +32,17 @@ struct Seed {
 struct StepRecord {
   double t = 0;  ///< at its end (s)
   double h = 0;
-  int sub_steps = 0;
-  int passes = 0;      ///< solves tried
-  int iterations = 0;  ///< of KSP
+  long long sub_steps = 0;
+  long long passes = 0;      ///< solves tried
+  long long iterations = 0;  ///< of KSP
   NeedleStepReport needle;
 };
 
 struct RunCounts {
-  int steps = 0;
-  int sub_steps = 0;
-  int passes = 0;
-  long iterations = 0;
+  long long steps = 0;
+  long long sub_steps = 0;
+  long long passes = 0;
+  long long iterations = 0;
   int edge_flips = 0;
   int pattern_rebuilds = 0;
   int deformed_inversions = 0;   ///< most inverted deformed elements around the tip at a time

@@ -56,8 +56,12 @@ struct Convergence {
 /// Throws NumericalError if a level failed: then there is no order.
 Convergence converge(MPI_Comm comm, const Scene& scene, const ConvergeOptions& options);
 
-/// Collective. convergence.json and, if asked for, the copy beside the scene; tables on rank 0's
-/// standard output.
-void report(MPI_Comm comm, const Scene& scene, const Convergence& result, bool quiet);
+/// Collective. convergence.json and, if asked for, the copy beside the scene, which says that it is of
+/// the mesh file of this fingerprint; tables on rank 0's standard output.
+void report(MPI_Comm comm,
+            const Scene& scene,
+            const Convergence& result,
+            const std::string& mesh_fingerprint,
+            bool quiet);
 
 }  // namespace stylet

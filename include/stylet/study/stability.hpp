@@ -6,6 +6,7 @@
 #include "stylet/study/perturbation.hpp"
 
 #include <mpi.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <vector>
@@ -71,7 +72,11 @@ struct Stability {
 /// tables. Throws InputError for tissue without mass.
 Stability stability(MPI_Comm comm, const Scene& scene, const StabilityOptions& options);
 
-/// Collective. The files, into an existing folder, and the tables on rank 0's standard output.
-void report(MPI_Comm comm, const Scene& scene, const Stability& result, bool quiet);
+/// Collective. The tables, into files of an existing folder and on rank 0's standard output. Returns
+/// the summary.
+[[nodiscard]] nlohmann::ordered_json report(MPI_Comm comm,
+                                            const Scene& scene,
+                                            const Stability& result,
+                                            bool quiet);
 
 }  // namespace stylet

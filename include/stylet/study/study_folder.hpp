@@ -2,12 +2,14 @@
 // run, scenes/ has the resolved scenes; a killed study goes on with --resume.
 #pragma once
 
+#include "stylet/output/folder.hpp"
 #include "stylet/scene/scene.hpp"
 #include "stylet/study/table.hpp"
 
 #include <mpi.h>
 #include <nlohmann/json_fwd.hpp>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,15 +29,27 @@ struct StudyOptions {
                                        const std::string& verb,
                                        const std::string& file);
 
-/// Collective. Whether a study has begun in the folder.
-[[nodiscard]] bool holds_study(MPI_Comm comm, const std::string& folder);
+/// A study's folder while it runs.
+struct OpenStudy {
+  std::unique_ptr<OutputFolder> folder;
+  Table kept;  ///< rows of an earlier start
+};
 
-/// Collective. Makes the folder with plan.json and scenes/, or finds the one to be resumed. Returns
-/// the rows that are there. Throws InputError if the folder is not empty, or was made by another
-/// plan.
-[[nodiscard]] Table open_study(MPI_Comm comm,
-                               const std::string& folder,
-                               const StudyOptions& options,
+/// Collective. Makes the folder with plan.json and scenes/, or finds the one to be resumed. Throws
+/// InputError if the folder cannot be used (OutputFolder), or was made by another plan: then it says
+/// what differs. `names`: what the verb writes beside what all studies do.
+[[nodiscard]] OpenStudy open_study(MPI_Comm comm,
+                                   const std::string& path,
+                                   const std::string& verb,
+                                   std::vector<std::string> names,
+                                   const StudyOptions& options,
+                                   const nlohmann::ordered_json& plan,
+                                   std::vector<std::string> columns);
+
+/// Collective. The rows of a study by the same plan in another folder. Throws InputError if the plan
+/// was another one, or the study is going on.
+[[nodiscard]] Table read_study(MPI_Comm comm,
+                               const std::string& path,
                                const nlohmann::ordered_json& plan,
                                std::vector<std::string> columns);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stylet/simulation/simulation.hpp"
+#include "stylet/study/identity.hpp"
 #include "stylet/study/pool.hpp"
 
 #include <nlohmann/json.hpp>
@@ -20,9 +21,11 @@ struct StudyRun {
 using Inspect = std::function<void(const Simulation&)>;
 
 /// Collective. A scene that does not fit its mesh and a step without a valid answer become `error`;
-/// everything else throws. inspect: collective, after every step.
+/// everything else throws, a mesh file that is no longer the study's too: no result of a scene.
+/// inspect: collective, after every step.
 [[nodiscard]] StudyRun run_in_study(MPI_Comm comm,
                                     const Scene& scene,
+                                    const MeshFiles& meshes,
                                     const Poll& poll,
                                     const Inspect& inspect = {});
 

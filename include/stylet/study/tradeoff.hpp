@@ -43,6 +43,13 @@ struct Tradeoff {
   std::vector<TradeoffRun> runs;
 };
 
+// The way that all others are measured against, and the one without inertia.
+constexpr const char* usual_way = "backward_euler";
+constexpr const char* slow_limit_way = "quasi_static";
+
+/// Collective. tradeoff.json, and the front on rank 0's standard output.
+void report(MPI_Comm comm, const Tradeoff& result, bool quiet);
+
 /// Collective. One run at a time on all ranks. scene_file, text and changes: as for load_scene. Writes
 /// results.csv, tradeoff.json and scenes/, prints the front and draws. A way that a scene refuses,
 /// such as explicit steps with stiffness damping, is a row with the reason.

@@ -53,6 +53,17 @@ TEST(Motion, EqualStepsThatHitTheEnd) {
   for (const auto& step : steps) EXPECT_NEAR(step.speed(), 0.02, 1e-14);
 }
 
+TEST(Motion, MoreStepsThanAnIntCounts) {
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.06), waiting(ActionKind::hold, 3)});
+  const NeedleStep step = motion.next(1e-9);  // 3e9 of them
+  EXPECT_NEAR(step.h, 1e-9, 1e-18);
+  motion.commit(step);
+  EXPECT_EQ(motion.index(), 0U);
+  EXPECT_NEAR(motion.next(1e-9).h, 1e-9, 1e-18);
+  motion.finish_action();
+  EXPECT_NEAR(motion.next(1e-9).h, 1e-9, 1e-18);
+}
+
 TEST(Motion, WholeNumberOfStepsIsNotSplit) {
   Motion motion = entered({moving(ActionKind::insert, 0.02, 0.03)});
   EXPECT_EQ(all_steps(motion, 0.05).size(), 30U);  // 1.5 / 0.05 is a bit above 30 in binary

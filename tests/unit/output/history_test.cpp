@@ -70,6 +70,7 @@ TEST_F(History, WritesTheRestWhenItGoes) {
 TEST_F(History, FullDiskShowsAtFlush) {
   HistoryWriter history(MPI_COMM_WORLD, file(), {{"time", "s"}});
   const FileSizeLimit limit(1000);
+  EXPECT_FALSE(history.failed());
   for (int i = 0; i < 1000; ++i) history.write(std::array{0.1 * i});
   std::string message;
   EXPECT_EQ(failure_of([&] { history.flush(); }, &message), ExitCode::io);
@@ -78,11 +79,13 @@ TEST_F(History, FullDiskShowsAtFlush) {
   EXPECT_EQ(failure_of([&] { history.close(); }), ExitCode::io);
 }
 
-TEST_F(History, DeviceWithoutSpace) {
-  EXPECT_EQ(failure_of([] {
-              HistoryWriter(MPI_COMM_WORLD, "/dev/full", {{"time", "s"}});
+TEST_F(History, NoRoomForTheHeader) {
+  const FileSizeLimit limit(4);
+  EXPECT_EQ(failure_of([&] {
+              HistoryWriter(MPI_COMM_WORLD, file(), {{"time", "s"}});
             }),
             ExitCode::io);
+  EXPECT_FALSE(std::filesystem::exists(file()));
 }
 
 TEST_F(History, WrongRowIsAnError) {

@@ -158,6 +158,20 @@ TEST_F(Snapshots, FullDiskKeepsTheSnapshotsBefore) {
   EXPECT_THAT(contents(path("snapshots.xdmf")), Not(HasSubstr("step_000001")));
 }
 
+TEST_F(Snapshots, NoRoomForTheFirstBytes) {
+  const FileSizeLimit limit(8192);
+  std::string message;
+  EXPECT_EQ(failure_of([&] { SnapshotWriter(MPI_COMM_WORLD, folder_); }, &message), ExitCode::io);
+  EXPECT_THAT(message, HasSubstr("snapshots.h5"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(Snapshots, CanBeReadFromTheStart) {
+  const SnapshotWriter writer(MPI_COMM_WORLD, folder_);
+  std::filesystem::copy_file(h5(), path("copy.h5"));  // the bytes a killed run leaves
+  EXPECT_FALSE(exists(path("copy.h5"), "/step_000000"));
+}
+
 TEST_F(Snapshots, LeaveNoHandles) {
   {
     SnapshotWriter writer(MPI_COMM_WORLD, folder_);
