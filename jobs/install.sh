@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Stylet needs; --tests adds those of its tests and mesher,
-# --studies those that statistics of campaigns need, --slurm a cluster for tests/slurm.
+# --studies those that statistics of campaigns need, --slurm a cluster for tests/slurm, --fuzz the
+# compiler of jobs/fuzz.sh.
 # What is already there is left alone, and with everything there no root is needed.
 set -euo pipefail
 
@@ -15,7 +16,8 @@ case "${1-}" in
   --tests) packages+=(libgtest-dev libgmock-dev gmsh python3-gmsh python3-openturns) ;;
   --studies) packages+=(python3-openturns) ;;   # Sobol indices
   --slurm) packages+=(slurm-wlm munge) ;;        # for tests/slurm
-  *) echo "install.sh: unknown argument '$1'; allowed: --tests, --studies, --slurm" >&2; exit 2 ;;
+  --fuzz) packages+=(clang-14 libclang-rt-14-dev libomp-14-dev) ;;   # for jobs/fuzz.sh
+  *) echo "install.sh: unknown argument '$1'; allowed: --tests, --studies, --slurm, --fuzz" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdio>
 #include <numeric>
 
 namespace stylet {
@@ -46,6 +47,12 @@ std::string exact(double value) {
   std::array<char, 32> buffer{};  // a double needs at most 24 characters
   const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), end};
+}
+
+std::string ten_digits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.10g", value);
+  return text.data();
 }
 
 Path parse_path(std::string_view text, char end) {

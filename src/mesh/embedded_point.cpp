@@ -12,10 +12,32 @@ namespace {
 
 // A point on an edge is inside both of its cells, up to round-off of the barycentric coordinates.
 constexpr double on_edge = 1e-9;
+// Of the mesh's extent: what is left of a coordinate with eight digits, or turned by an angle that has
+// them, on the wrong side of the boundary.
+constexpr double on_boundary = 1e-8;
 
 std::array<double, 3> weights_in(const Mesh& mesh, int c, ReferencePoint x) {
   const auto nodes = mesh.cell(c);
   return barycentric(mesh.point(nodes[0]), mesh.point(nodes[1]), mesh.point(nodes[2]), x);
+}
+
+/// How far inside a cell, as the least distance from the lines along its edges; negative outside.
+double depth_in(const Mesh& mesh, int c, const std::array<double, 3>& weights) {
+  const auto n = mesh.cell(c);
+  double depth = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double base = distance(mesh.point(n[(i + 1) % 3]), mesh.point(n[(i + 2) % 3]));
+    depth = std::min(depth, weights[i] * 2 * mesh.cell_measure(c) / base);
+  }
+  return depth;
+}
+
+double extent_of(const Mesh& mesh) {
+  double extent = 0;
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    extent = std::max(extent, distance(mesh.point(0), mesh.point(node)));
+  }
+  return extent;
 }
 
 }  // namespace
@@ -34,18 +56,16 @@ std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePoint x, int hint
   }
   // The walk left the tissue (it need not be convex): look everywhere.
   EmbeddedPoint best{x, -1, {}};
-  double inside = -std::numeric_limits<double>::infinity();
-  for (int other = 0; other < mesh.n_cells(); ++other) {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (int other = 0; other < mesh.n_cells() && deepest < 0; ++other) {
     const auto weights = weights_in(mesh, other, x);
-    const double lowest = *std::ranges::min_element(weights);
-    if (lowest > inside) {
-      inside = lowest;
-      best.cell = other;
-      best.weights = weights;
-      if (lowest >= 0) break;
-    }
+    const double depth = depth_in(mesh, other, weights);
+    if (!(depth > deepest)) continue;
+    deepest = depth;
+    best.cell = other;
+    best.weights = weights;
   }
-  if (inside >= -on_edge) return best;
+  if (deepest >= 0 || deepest >= -on_boundary * extent_of(mesh)) return best;
   return std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 #include "stylet/needle/advance.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/needle/skin.hpp"
 
@@ -336,16 +337,16 @@ Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle) 
       low = std::min(low, Axis::across(mesh.point(node)));
       high = std::max(high, Axis::across(mesh.point(node)));
     }
-    throw InputError("needle '" + needle + "' at height " + std::to_string(y) +
-                     " m misses the tissue, which spans heights from " + std::to_string(low) +
-                     " m to " + std::to_string(high) + " m");
+    throw InputError("needle '" + needle + "' at height " + ten_digits(y) +
+                     " m misses the tissue, which spans heights from " + ten_digits(low) +
+                     " m to " + ten_digits(high) + " m");
   }
   // A corner of the tissue must stay where it is: then the other end slides.
   if (entry->fraction > 0 && is_corner(mesh, entry->node)) {
     std::swap(entry->node, entry->neighbour);
     entry->fraction = 1 - entry->fraction;
     if (entry->fraction < 1 && is_corner(mesh, entry->node)) {
-      throw InputError("needle '" + needle + "' at height " + std::to_string(y) +
+      throw InputError("needle '" + needle + "' at height " + ten_digits(y) +
                        " m enters between two corners of the tissue: refine the mesh");
     }
   }

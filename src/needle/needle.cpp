@@ -269,9 +269,9 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
   forget_changes();
   const int tip = track_.tip();
   const auto stuck = [&](const std::string& why) {
-    const auto p = mesh.point(tip);
-    return NumericalError("needle '" + parameters_.name + "' cannot advance at (" +
-                          std::to_string(p.x) + ", " + std::to_string(p.y) + ") m: " + why);
+    return NumericalError("needle '" + parameters_.name + "' cannot advance, " +
+                          ten_digits(motion_.tip() - motion_.skin()) +
+                          " m behind its entry point: " + why);
   };
   if (!base_) {
     base_ = find_way(mesh, track_, axis_, start);

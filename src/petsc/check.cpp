@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <new>
 #include <string>
 
 namespace stylet {
@@ -25,8 +26,11 @@ void check(PetscErrorCode code, const char* file, int line) {
   const char* text = nullptr;
   char* specific = nullptr;
   (void)PetscErrorMessage(code, &text, &specific);
+  // Where memory runs out PETSc 3.18 returns the line of its source in place of PETSC_ERR_MEM; no other
+  // code is without a text.
+  if (code == PETSC_ERR_MEM || text == nullptr) throw std::bad_alloc();
   std::string message = "PETSc: ";
-  message += text != nullptr ? text : "error " + std::to_string(code);
+  message += text;
   if (specific != nullptr && *specific != '\0') message += std::string(": ") + specific;
   message += std::string(" (") + file + ":" + std::to_string(line) + ")";
   // A name behind -ksp_type or -pc_type that PETSc does not have.

@@ -2,12 +2,14 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/fingerprint.hpp"
+#include "stylet/base/utf8.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/writer.hpp"
 #include "stylet/simulation/model.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -46,13 +48,40 @@ std::optional<double> step_part(const Json& steps, double step) {
   return found;
 }
 
+/// Throws Json::exception or InputError unless everything is there that is looked up later.
+void require_structure(const Json& study) {
+  constexpr std::int64_t most_refine = 30;
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw InputError(what);
+  };
+  const auto check_level = [&](const Json& level, const char* value) {
+    const Json& refine = level.at("refine");
+    require(refine.is_number_integer() && refine >= 0 && refine <= most_refine,
+            "'refine' is no whole number from 0 to 30");
+    (void)level.at("step").get<double>();
+    (void)level.at(value).get<double>();
+  };
+  for (const char* key : {"program", "scene"}) (void)study.at(key);
+  for (const Json& run : study.at("runs")) check_level(run, "seconds");
+  for (const auto& [name, quantity] : study.at("quantities").items()) {
+    for (const char* kind : {"mesh", "step"}) {
+      const Json& levels = quantity.at(kind).at("levels");
+      require(levels.is_array() && !levels.empty(), "'levels' is no list");
+      for (const Json& level : levels) check_level(level, "uncertainty");
+    }
+    const Json& mesh = quantity.at("mesh");
+    if (mesh.at("remark").get<std::string>().empty()) (void)mesh.at("order").get<double>();
+  }
+}
+
 Json parsed(const std::string& path, const std::string& text) {
   try {
     Json study = Json::parse(text);
-    for (const char* key : {"program", "scene", "runs", "quantities"}) (void)study.at(key);
+    require_structure(study);
     return study;
-  } catch (const Json::exception& error) {
-    throw InputError(path + " is not a stored convergence study: " + error.what());
+  } catch (const std::exception& error) {  // of the parser or of the checks above
+    throw InputError(path + ": is not a stored convergence study: " + cut_short(error.what(), 200) +
+                     "; make it anew with stylet converge --store");
   }
 }
 

@@ -35,7 +35,7 @@ MeshData source_mesh(MPI_Comm comm, const Scene& scene, std::string& file_finger
 }
 
 std::string at(ReferencePoint x) {
-  return "(" + std::to_string(x.x) + ", " + std::to_string(x.y) + ") m";
+  return "(" + ten_digits(x.x) + ", " + ten_digits(x.y) + ") m";
 }
 
 void check_inside(const Scene& scene,
@@ -46,13 +46,21 @@ void check_inside(const Scene& scene,
   if (locate(mesh, x)) return;
   double low[2] = {1e300, 1e300};
   double high[2] = {-1e300, -1e300};
+  const Rotation rotation(scene.needle_angle);  // the user's frame, not the needle's
   for (int node = 0; node < mesh.n_nodes(); ++node) {
-    for (std::size_t k = 0; k < 2; ++k) {
-      low[k] = std::min(low[k], mesh.coordinates(node)[k]);
-      high[k] = std::max(high[k], mesh.coordinates(node)[k]);
+    const auto p = rotation.to_scene(mesh.point(node));
+    low[0] = std::min(low[0], p.x);
+    low[1] = std::min(low[1], p.y);
+    high[0] = std::max(high[0], p.x);
+    high[1] = std::max(high[1], p.y);
+  }
+  for (std::size_t k = 0; k < 2; ++k) {  // what is left of 0 after the turns
+    constexpr double nothing = 1e-12;
+    for (double* end : {&low[k], &high[k]}) {
+      if (std::abs(*end) < nothing * (high[k] - low[k])) *end = 0;
     }
   }
-  throw InputError(scene.file + ": key '" + key + "." + name + "': " + at(x) +
+  throw InputError(scene.file + ": key '" + below(key, name) + "': " + at(rotation.to_scene(x)) +
                    " lies outside the tissue, which spans " + at({low[0], low[1]}) + " to " +
                    at({high[0], high[1]}));
 }

@@ -6,6 +6,7 @@
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/dynamics/quasi_static.hpp"
+#include "stylet/geometry/rotation.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/needle/stops.hpp"
 #include "stylet/petsc/check.hpp"
@@ -47,14 +48,17 @@ double estimated_time(const Scene& scene, const Mesh& mesh) {
   return total;
 }
 
-std::vector<EmbeddedPoint> embed(const Mesh& mesh, std::span<const ReferencePoint> points) {
+std::vector<EmbeddedPoint> embed(const Mesh& mesh,
+                                 std::span<const ReferencePoint> points,
+                                 const Rotation& rotation) {
   std::vector<EmbeddedPoint> embedded;
   int hint = 0;
   for (const auto& x : points) {
     const auto found = locate(mesh, x, hint);
     if (!found) {
-      throw InputError("a vertex of the membrane lies outside the tissue: (" + std::to_string(x.x) +
-                       ", " + std::to_string(x.y) + ") m");
+      const auto written = rotation.to_scene(x);
+      throw InputError("a vertex of the membrane lies outside the tissue: (" +
+                       ten_digits(written.x) + ", " + ten_digits(written.y) + ") m");
     }
     embedded.push_back(*found);
     hint = found->cell;
@@ -108,7 +112,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
   if (scene_.membrane) {
     auto& polygon = scene_.membrane->polygon;
     if (polygon.empty()) polygon = region_outline(mesh(), scene_.membrane->region);
-    membrane_ = embed(mesh(), polygon);
+    membrane_ = embed(mesh(), polygon, Rotation(scene_.needle_angle));
   }
   for (const auto& probe : scene_.probes) probes_.push_back(*locate(mesh(), probe.point));
   if (scene_.needles.empty()) {

@@ -44,6 +44,26 @@ class BadScene(CliTest):
         self.refuse("seed: [4 cm, 3.2 cm]", "seed: [9 cm, 3.2 cm]",
                     "'targets.seed'", "(0.09", "outside the tissue, which spans", line=False)
 
+    def test_coordinates_are_those_of_the_scene(self):
+        """Also where the needle's direction turns them; and with the digits that matter."""
+        self.write("scene.yaml", NEEDLE_SCENE)
+        for angle in ("30 deg", "180 deg", "0°"):
+            outcome = self.stylet("check", "scene.yaml", "--set", f"needle_angle={angle}",
+                                  "--set", "targets.seed=[8.00001 cm, 3.2 cm]")
+            self.assert_refused(outcome, "'targets.seed': (0.0800001, 0.032) m lies outside",
+                                "0.08, 0.06) m")
+
+    def test_round_off_beside_the_boundary_is_inside(self):
+        self.write("scene.yaml", NEEDLE_SCENE)
+        self.assert_code(self.stylet("check", "scene.yaml", "--set",
+                                     "probes.p=[8.00000001 cm, 3.2 cm]"), 0)
+
+    def test_what_cannot_be_seen(self):
+        self.refuse("  step: 10 ms", "  step: 0,01 s", "'time.step'", "decimal comma; write 0.01 s")
+        self.refuse("  step: 10 ms", "  step\u00a0: 10 ms", "U+00A0 (non-breaking space)")
+        self.refuse("  plane: stress", "  plane: str\u200bess", "U+200B (zero-width space)")
+        self.refuse("  plane: stress", "  plane: \u201cstress\u201d", "typographic quotes")
+
     def test_needle_that_misses(self):
         self.refuse("height: 3.2 cm", "height: 7 cm",
                     "'needles", "0.07", "misses the tissue", "which spans", line=False)

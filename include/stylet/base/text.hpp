@@ -23,6 +23,10 @@ namespace stylet {
 /// The shortest decimal (at most 17 significant digits) that reads back as exactly `value`.
 [[nodiscard]] std::string exact(double value);
 
+/// Ten digits, for coordinates in messages: what round-off has left alone, and enough to tell a point
+/// from the boundary beside it.
+[[nodiscard]] std::string ten_digits(double value);
+
 /// A path such as needles.0.height: names joined by dots. A name that would be taken apart, such as
 /// lobe.left, stands in it in double quotes.
 struct Path {

@@ -1,5 +1,7 @@
 #include "stylet/mesh/embedded_point.hpp"
 
+#include "stylet/mesh/refine.hpp"
+
 #include "small_meshes.hpp"
 #include <gtest/gtest.h>
 
@@ -15,11 +17,11 @@ namespace {
 // Barycentric coordinates of cells of unit aspect: a few operations.
 constexpr double round_off = 1e-13;
 
-void expect_holds(const Mesh& mesh, const EmbeddedPoint& point) {
+void expect_holds(const Mesh& mesh, const EmbeddedPoint& point, double outside = 1e-9) {
   ReferencePoint x{0, 0};
   const auto nodes = mesh.cell(point.cell);
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_GE(point.weights[i], -1e-9);  // what counts as inside (embedded_point.cpp)
+    EXPECT_GE(point.weights[i], -outside);  // what counts as inside (embedded_point.cpp)
     x.x += point.weights[i] * mesh.point(nodes[i]).x;
     x.y += point.weights[i] * mesh.point(nodes[i]).y;
   }
@@ -140,6 +142,19 @@ TEST(EmbeddedPoint, UntouchedPointsStay) {
   relocate(mesh, touched, points);
   EXPECT_EQ(points[0].weights, locate(mesh, {0.9, 0.2})->weights);
   expect_holds(mesh, points[1]);
+}
+
+TEST(EmbeddedPoint, RoundOffBesideTheBoundaryIsInside) {
+  // Of the extent, not of the elements: the same on every mesh.
+  for (const int refinements : {0, 3}) {
+    const Mesh mesh(refine(shaken_rectangle(), refinements));
+    const auto found = locate(mesh, {2 + 1e-8, 0.4});
+    ASSERT_TRUE(found);
+    expect_holds(mesh, {found->x, found->cell, found->weights}, 1e-6);
+    EXPECT_TRUE(locate(mesh, {-1e-8, 1 + 1e-8}));
+    EXPECT_FALSE(locate(mesh, {2 + 1e-7, 0.4}));
+    EXPECT_FALSE(locate(mesh, {1, -1e-7}));
+  }
 }
 
 }  // namespace
