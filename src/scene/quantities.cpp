@@ -19,6 +19,10 @@ const std::vector<SummaryQuantity>& of_all() {
                                                           {"largest_strain.time", "s"},
                                                           {"largest_strain.place.0", "m"},
                                                           {"largest_strain.place.1", "m"},
+                                                          {"widespread_strain.value", ""},
+                                                          {"widespread_strain.time", "s"},
+                                                          {"widespread_strain.place.0", "m"},
+                                                          {"widespread_strain.place.1", "m"},
                                                           {"energy.kinetic", "J"},
                                                           {"energy.strain", "J"},
                                                           {"energy.dissipated", "J"},
@@ -32,17 +36,10 @@ const std::vector<SummaryQuantity>& of_all() {
 }
 
 const std::vector<SummaryQuantity>& of_needles() {
-  static const std::vector<SummaryQuantity> quantities = {{"peak_needle_force", "N"},
-                                                          {"hand_overs", ""},
-                                                          {"edge_flips", ""},
-                                                          {"fallbacks", ""},
-                                                          {"largest_strain_away.value", ""},
-                                                          {"largest_strain_away.time", "s"},
-                                                          {"largest_strain_away.place.0", "m"},
-                                                          {"largest_strain_away.place.1", "m"},
-                                                          {"punctures", ""},
-                                                          {"pattern_rebuilds", ""},
-                                                          {"deformed_inversions", ""}};
+  static const std::vector<SummaryQuantity> quantities = {
+      {"peak_needle_force", "N"}, {"hand_overs", ""}, {"edge_flips", ""},
+      {"fallbacks", ""},          {"punctures", ""},  {"pattern_rebuilds", ""},
+      {"deformed_inversions", ""}};
   return quantities;
 }
 

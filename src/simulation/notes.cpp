@@ -11,12 +11,14 @@ namespace {
 constexpr double most_strain = 0.3;  // small-strain theory is off by about the strain itself
 
 void note_strain(const Simulation& simulation, std::vector<std::string>& notes) {
-  const StrainPeak& peak = simulation.largest_strain().away;
+  const StrainPeak& peak = simulation.largest_strain().widespread;
   if (!(peak.value > most_strain)) return;
-  notes.push_back("strain reached " + brief(std::round(100 * peak.value)) + " % at " +
-                  point_text(simulation.scene(), peak.place) + " at t = " + brief(peak.time) +
-                  " s" + (simulation.scene().needles.empty() ? "" : ", away from the needle") +
-                  "; linear elasticity is good for small strain, up to some 10 %");
+  notes.push_back("strain exceeded " + brief(std::round(100 * peak.value)) +
+                  " % on a thousandth of the tissue" +
+                  (simulation.scene().needles.empty() ? "" : " away from the needle") +
+                  ", such as at " + point_text(simulation.scene(), peak.place) +
+                  " at t = " + brief(peak.time) +
+                  " s; linear elasticity is good for small strain, up to some 10 %");
 }
 
 void note_locking(const Scene& scene, std::vector<std::string>& notes) {

@@ -339,7 +339,7 @@ ordered_json summarise(MPI_Comm comm,
                      {"place", plain(turn, std::vector{peak.place})[0]}};
   };
   add_strain("largest_strain", simulation.largest_strain().anywhere);
-  if (!scene.needles.empty()) add_strain("largest_strain_away", simulation.largest_strain().away);
+  add_strain("widespread_strain", simulation.largest_strain().widespread);
   summary["worst_quality"] = counts.worst_quality;
   summary["steps"] = counts.steps;
   summary["sub_steps"] = counts.sub_steps;

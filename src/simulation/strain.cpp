@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 namespace stylet {
@@ -72,14 +73,30 @@ void raise(LargestStrain& largest,
            double time,
            const Track* track,
            double tip_length) {
+  constexpr double share = 1e-3;
   const Zone zone(mesh, track, tip_length);
+  struct Strained {
+    double strain;
+    double area;
+    ReferencePoint centre;
+  };
+  std::vector<Strained> candidates;
+  double area = 0;
   for (int c = 0; c < mesh.n_cells(); ++c) {
+    area += mesh.cell_measure(c);
     const double strain = largest_principal_strain(mesh, c, u);
-    if (!(strain > std::min(largest.anywhere.value, largest.away.value))) continue;
+    if (!(strain > largest.widespread.value)) continue;
     const ReferencePoint centre = centre_of(mesh, c);
-    const StrainPeak peak{strain, time, centre};
-    if (strain > largest.anywhere.value) largest.anywhere = peak;
-    if (strain > largest.away.value && !zone.holds(c, centre)) largest.away = peak;
+    if (strain > largest.anywhere.value) largest.anywhere = {strain, time, centre};
+    if (!zone.holds(c, centre)) candidates.push_back({strain, mesh.cell_measure(c), centre});
+  }
+  std::ranges::sort(candidates, std::greater(), &Strained::strain);
+  double exceeded_on = 0;
+  for (const Strained& cell : candidates) {
+    exceeded_on += cell.area;
+    if (exceeded_on < share * area) continue;
+    largest.widespread = {cell.strain, time, cell.centre};
+    return;
   }
 }
 

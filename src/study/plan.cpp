@@ -270,9 +270,18 @@ class Planner {
     std::function<Values(const Values&)> function = [&](const Values& point) {
       return residuals(variables, point, needle);
     };
-    const OwnedVec x = vector_of(variables.start());
-    const OwnedVec low = vector_of(variables.bounds(-1));
-    const OwnedVec high = vector_of(variables.bounds(1));
+    // POUNDERS wants room for its first radius above where it starts.
+    const Values least = variables.bounds(-1);
+    const Values most = variables.bounds(1);
+    double radius = first_radius;
+    for (std::size_t i = 0; i < most.size(); ++i) {
+      radius = std::min(radius, 0.5 * (most[i] - least[i]));
+    }
+    Values start = variables.start();
+    for (std::size_t i = 0; i < most.size(); ++i) start[i] = std::min(start[i], most[i] - radius);
+    const OwnedVec x = vector_of(start);
+    const OwnedVec low = vector_of(least);
+    const OwnedVec high = vector_of(most);
     const OwnedVec f = vector_of(Values(n_residuals));
     OwnedTao tao;
     check(TaoCreate(PETSC_COMM_SELF, tao.put()));
@@ -285,8 +294,7 @@ class Planner {
     const double tolerance = options_.tolerance / unit;
     const double n_seeds = static_cast<double>(n_residuals) / 2;
     check(TaoSetFunctionLowerBound(tao.get(), n_seeds * tolerance * tolerance));
-    check(PetscOptionsSetValue(nullptr, "-plan_tao_pounders_delta",
-                               std::to_string(first_radius).c_str()));
+    check(PetscOptionsSetValue(nullptr, "-plan_tao_pounders_delta", exact(radius).c_str()));
     check(TaoSetFromOptions(tao.get()));
     check(TaoSolve(tao.get()));
     const PetscScalar* values = nullptr;

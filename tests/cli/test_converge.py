@@ -121,7 +121,7 @@ class Studies(CliTest):
     def test_plan_under_a_lasting_load_is_that_of_a_run(self):
         """Seeds at rest are not where they are in the unloaded tissue."""
         loaded = (COARSE.replace("  until: implanted\n", "").replace("bottom: fixed", "bottom: free")
-                  + "loads: {body: [{force: [0 N/m^3, 40000 N/m^3]}]}\n")
+                  + "loads: {body: [{force: [0 N/m^3, 80000 N/m^3]}]}\n")
         self.write("loaded.yaml", loaded)
         self.assert_code(self.stylet("plan", "loaded.yaml", "--tolerance", "0.2 mm"), DONE)
         seed = self.json("out/plan-loaded/summary.json")["seeds"][0]

@@ -1,7 +1,9 @@
 // How far a run is from small strain: the largest principal strain of any triangle.
 //
-// At the tip of a needle strain is large in every run, on any scale that a mesh resolves, and says
-// little of the rest; so the largest strain away from the needle is kept beside it.
+// At the tip of a needle, and in corners where a support ends, strain is the larger the finer the
+// mesh, in every run, and says little of the rest. So a strain that has a limit is kept beside it: the
+// one exceeded on a thousandth of the tissue's area, without what is near the needle. In the reference
+// scene on four meshes the largest strain is 0.7, 1.3, 2.8, 4.9.
 #pragma once
 
 #include "stylet/mesh/mesh.hpp"
@@ -19,7 +21,8 @@ struct StrainPeak {
 
 struct LargestStrain {
   StrainPeak anywhere;
-  StrainPeak away;  ///< in triangles further than a tip_length from the needle's path
+  /// Exceeded on a thousandth of the area, further than a tip_length from the needle's path.
+  StrainPeak widespread;
 };
 
 /// Raises the peaks where this state exceeds them. u: displacements of all dofs; track: null without
