@@ -103,6 +103,12 @@ void ConstrainedSolver::adopt(Mat a, Vec like) {
 }
 
 int ConstrainedSolver::run(Vec rhs, Vec x, const char* what, double& scale) {
+  PetscReal size = 0;
+  check(VecNorm(rhs, NORM_INFINITY, &size));
+  if (size == 0) {  // no residual is small beside it
+    check(VecSet(x, 0));
+    return 0;
+  }
   check(KSPSolve(ksp_.get(), rhs, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
