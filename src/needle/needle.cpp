@@ -399,8 +399,9 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, const Multipli
         return false;
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
-      // Not by the blow; and where a blow holds tissue back that was ahead, a cut would let it go on.
-      if (std::min(lambda.needed, lambda.settled) <= limit * (1 + force_slack)) return true;
+      // Before a blow or after it: the smaller one, so that a cut that follows lets the tissue fall back.
+      const double before = 2 * lambda.working - lambda.settled;
+      if (std::min(before, lambda.settled) <= limit * (1 + force_slack)) return true;
       if (membrane_edge_) {
         punctured_.insert(*membrane_edge_);
         membrane_edge_.reset();
@@ -475,6 +476,9 @@ bool Needle::cut_further(double g) {
   if (to <= 0) {
     // Less than nothing to cut: the tip sticks.
     remaining_ = -b_;
+    last_gap_.reset();
+    too_short_.reset();
+    too_far_.reset();
     tip_ = TipContact::stick;
     return false;
   }
