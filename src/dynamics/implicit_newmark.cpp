@@ -234,7 +234,7 @@ Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints) {
 }
 
 void ImplicitNewmark::accept() {
-  if (!twice_ && !damps_at_once()) fit_places();
+  if (!twice_ && !damps_at_once()) fit_given();
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
   if (inertia_) {
@@ -242,7 +242,7 @@ void ImplicitNewmark::accept() {
     check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
   }
   state_->t += step_;
-  last_given_ = given_dofs_;
+  released_ = had_mean_ && !has_mean_;
   had_mean_ = has_mean_;
 }
 

@@ -9,21 +9,14 @@
 
 namespace stylet {
 
-// Whether the needle gives tissue another velocity at once, or lets it go. Contacts that friction bounds
-// give no blow: what they excite, schemes that damp forget, and average acceleration does not.
+// Whether the needle gives tissue another velocity at once, or lets its tip go. Contacts that friction
+// bounds give no blow.
 bool ImplicitNewmark::needle_begins(const ConstraintSet& constraints) {
-  given_dofs_.clear();
-  placed_.clear();
-  for (const auto& c : constraints.dofs) {
-    given_dofs_.push_back(c.dof);
-    if (!c.velocity) placed_.push_back(c.dof);
-  }
-  std::ranges::sort(given_dofs_);
+  needle_dofs_.assign(constraints.dofs.begin(), constraints.dofs.end());
   has_mean_ = constraints.mean.has_value();
   if (!inertia_ || (damps_at_once() && !has_mean_)) return false;
-  if (had_mean_ && !has_mean_) return true;
-  const bool keeps_all = scheme_.c0 != 0 && scheme_.alpha_m == 0;
-  if (keeps_all && !std::ranges::includes(given_dofs_, last_given_)) return true;
+  // Not in the step that lets go itself: its search for the advance needs a gap without jumps.
+  if (fresh_ && released_ && !damps_at_once()) return true;
   std::vector<int> dofs;
   for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
   if (has_mean_) {
@@ -32,12 +25,10 @@ bool ImplicitNewmark::needle_begins(const ConstraintSet& constraints) {
   const Vec vectors[2] = {u_guess_.get(), v_guess_.get()};
   const auto guess = gather(vectors, dofs);
   double guided = 0;
-  double stuck = 0;
   std::size_t i = 0;
   for (const auto& c : constraints.dofs) {
     const double x = increment_of(c, guess[0][i], guess[1][i]);
     fastest_ = std::max(fastest_, std::abs(guess[1][i] + speed() * x));
-    if (c.velocity && keeps_all) stuck = std::max(stuck, std::abs(x));
     if (!c.velocity && fresh_) guided = std::max(guided, std::abs(x));
     ++i;
   }
@@ -50,23 +41,23 @@ bool ImplicitNewmark::needle_begins(const ConstraintSet& constraints) {
   // Fields of nodes that edits move are interpolated: the needle takes them on to its axis, slowly. That is
   // looked at once a step, since the search for the advance needs a gap without jumps.
   constexpr double slow = 0.1;  // of the fastest so far
-  constexpr double noise = 1e-3;
-  if (!damps_at_once() && (guided > slow * h_ * fastest_ || stuck > noise * h_ * fastest_)) {
-    return true;
-  }
+  if (!damps_at_once() && guided > slow * h_ * fastest_) return true;
   return std::abs(pushed) > at_once * h_ * fastest_;
 }
 
-// Slow guidance, which is no onset, must not go on and on either.
-void ImplicitNewmark::fit_places() {
-  const Values before(state_->u.get());
-  const Values after(u_.get());
+// Given dofs go on with the mean velocity and acceleration of the step: what begins slowly, or is bounded
+// by friction, is no onset, but must not alternate for ever either.
+void ImplicitNewmark::fit_given() {
+  const Values u0(state_->u.get());
+  const Values v0(state_->v.get());
+  const Values u1(u_.get());
   Entries v(v_.get());
   Entries increment(increment_.get());
-  for (const int dof : placed_) {
-    if (!v.owns(dof)) continue;
-    v[dof] = (after[dof] - before[dof]) / step_;
-    increment[dof] = 0;
+  for (const auto& c : needle_dofs_) {
+    if (!v.owns(c.dof)) continue;
+    if (!c.velocity) v[c.dof] = (u1[c.dof] - u0[c.dof]) / step_;
+    const double a = c.velocity ? (v[c.dof] - v0[c.dof]) / step_ : 0;
+    increment[c.dof] = k_.c1 * h_ * h_ * a;
   }
 }
 
@@ -101,6 +92,8 @@ Trial ImplicitNewmark::both_halves(const HoldingForces& second) {
   check(VecScale(mean_reaction_.get(), 0.5));
   Trial trial =
       at_end(u_.get(), v_.get(), {mean_reaction_.get(), 0.5 * (first_lambda_ + second.lambda)});
+  // The tip lets go if both halves would pull.
+  trial.needed.lambda = std::max(first_lambda_, second.lambda);
   trial.settled = second;
   trial.means = true;
   return trial;

@@ -474,9 +474,7 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, const Multipli
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
       const double limit = membrane_ ? tissue_.puncture_force : threshold(mesh);
-      // Not by the blow; and where a blow holds tissue back that was ahead, a cut would let it go on.
-      const double force = std::min(lambda.needed, lambda.settled);
-      if (force <= limit * (1 + force_slack) + slack()) return true;
+      if (lambda.bearing() <= limit * (1 + force_slack) + slack()) return true;
       if (holds_beyond_) throw_no_solution();
       if (membrane_) {
         puncture();
@@ -604,7 +602,7 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
   if (tip_ == TipContact::open) lambda = 0;
   report.forces.tip = lambda.settled;
   last_tip_force_ = report.forces.tip;
-  check_tip(mesh, trial, std::min(lambda.needed, lambda.settled));
+  check_tip(mesh, trial, lambda.bearing());
   std::vector<NodeForce> forces;
   for (const auto& [node, share] : tip_shares(mesh)) {
     NodeForce& force = force_on(forces, node);

@@ -29,6 +29,17 @@ double largest_swing(const TimeParameters& time) {
   return 1 / (1 - std::pow(std::min(time.safety, most), 2));
 }
 
+// What makes less of what grew.
+const char* advice(const TimeParameters& time) {
+  if (time.method == TimeMethod::explicit_newmark) {
+    return "a smaller time.safety, a finer mesh, or time.method implicit";  // steps are stable ones
+  }
+  const bool keeps_waves =
+      time.method == TimeMethod::implicit_newmark && time.scheme != ImplicitScheme::backward_euler;
+  return keeps_waves ? "a smaller time.step, or time.scheme backward_euler, which damps waves"
+                     : "a smaller time.step, or a finer mesh";
+}
+
 double dot(Vec x, Vec y) {
   PetscScalar value = 0;
   check(VecDot(x, y, &value));
@@ -101,6 +112,7 @@ EnergyLedger::EnergyLedger(const TissueOperator& tissue,
                       ? 1
                       : 0.5),
       is_explicit_(time.method == TimeMethod::explicit_newmark),
+      advice_(advice(time)),
       largest_swing_(is_explicit_ ? largest_swing(time) : 1),
       interval_(is_explicit_ ? explicit_interval : 1),
       increment_(tissue.make_vector()),
@@ -234,8 +246,9 @@ void EnergyLedger::compare() {
   std::snprintf(text, sizeof text,
                 "energy grew without work: kinetic %.4g J and strain energy %.4g J, but external "
                 "work less dissipation is %.4g J (allowed: %g %% of the largest energy so far, "
-                "%.4g J, above it); take a smaller time.step or time.safety, or a finer mesh",
-                energies_.kinetic, energies_.strain, supplied, 100 * allowed_excess, largest_);
+                "%.4g J, above it); take %s",
+                energies_.kinetic, energies_.strain, supplied, 100 * allowed_excess, largest_,
+                advice_);
   throw NumericalError(text);
 }
 

@@ -332,7 +332,6 @@ ConstraintSet Simulation::needle_constraints(const Needle* active) const {
 double Simulation::sub_step(double longest, StepRecord& record) {
   NeedleStep step = motion().next(longest);
   const bool load_changes = conditions_.load_changes(state_.t, state_.t + step.h);
-  const bool load_jumps = load_changes || (state_.t == 0 && conditions_.has_load());
   const auto begin = [&] {
     const double t1 = state_.t + step.h;
     if (load_changes) update_load(t1);
@@ -367,7 +366,7 @@ double Simulation::sub_step(double longest, StepRecord& record) {
       integrator_->watch(shaft);
     }
     ConstraintSet set = needle_constraints(active);
-    set.load_jumps = load_jumps;
+    set.load_jumps = load_changes;
     trial = integrator_->attempt(set, edited);
     ++record.passes;
     record.iterations += trial.iterations;

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Placement error of the reference scene under mesh and step refinement, as Markdown tables.
 
-usage: scene_table.py FOLDER [--program build/stylet] [--tables mesh,law,step,damping,strain] [--finest 2]
+usage: scene_table.py FOLDER [--program build/stylet] [--tables mesh,law,step,damping,strain,onset] [--finest 2]
 
 The needle is pushed 3 mm beyond the usual depth. E is the mean, over the last 6 mm of its way and
 over needle heights of 30.5, 32 and 33.5 mm, of the distance between the needle's tip and the place
@@ -165,6 +165,49 @@ def damping_table(runs, _):
                  [1] * len(steps))
 
 
+def held(folder):
+    """Time (ms) that the membrane held the tip, largest force of the tip meanwhile (N), largest change of
+    the needle's force between rows of the first 0.2 s but for the first three (N)."""
+    with open(folder / "history.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    column = lambda name: np.array([float(row[name]) for row in rows])
+    time, tip, holds = column("time [s]"), column("force_tip [N]"), column("membrane_held") > 0
+    early = tip[3:][time[3:] < 0.2]
+    return (1e3 * np.diff(time, prepend=0)[holds].sum(), tip[holds].max(initial=0),
+            np.abs(np.diff(early)).max(initial=0))
+
+
+def onset_table(runs, _):
+    """The reference scene itself, until it is implanted, in every scheme: what begins suddenly."""
+    steps = ("5 ms", "2.5 ms", "1.25 ms", "0.3 ms")
+    alpha = {f"generalised alpha, rho {rho}": {"time.scheme": "generalised_alpha",
+                                               "time.rho_infinity": rho}
+             for rho in ("0", "0.5", "0.8", "1")}
+    mass = {"tissue.damping": "{mass_factor: 200 1/s}"}
+    rows = {"backward Euler": SCHEMES["backward Euler"]} | alpha | {
+        "average acceleration": SCHEMES["average acceleration"],
+        "backward Euler, lumped, mass damping 200 1/s": mass | {"tissue.mass": "lumped"},
+        "explicit, mass damping 200 1/s": mass | {"time.method": "explicit"}}
+    header("placement error, mm; held, ms; tip's force then, N; its jumps before, N; peak force, N", steps)
+    for name, settings in rows.items():
+        cells = []
+        for step in steps:
+            out = runs.folder / "run"
+            command = [runs.program, "run", str(SCENE), "--quiet", "--force", "--output", str(out)]
+            for key, value in (settings | {"time.step": step, "expect": "null",
+                                           "output.snapshots": "null",
+                                           "time.until": "implanted"}).items():
+                command += ["--set", f"{key}={value}"]
+            if subprocess.run(command, capture_output=True, text=True).returncode != 0:
+                cells.append("refused")
+                continue
+            summary = json.loads((out / "summary.json").read_text())
+            time_held, force, jump = held(out)
+            cells.append(f"{1e3 * summary['seeds'][0]['placement_error']:.3f}; {time_held:.1f}; "
+                         f"{force:.2f}; {jump:.3f}; {summary['peak_needle_force']:.3f}")
+        print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folder", type=pathlib.Path)
@@ -174,7 +217,7 @@ def main():
     given = parser.parse_args()
     runs = Runs(given.program, given.folder)
     tables = {"mesh": mesh_table, "law": law_table, "step": step_table, "damping": damping_table,
-              "strain": strain_table}
+              "strain": strain_table, "onset": onset_table}
     for name in given.tables.split(","):
         print(f"\n{name}\n")
         tables[name](runs, given.finest)

@@ -84,7 +84,7 @@ class ImplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] Trial both_halves(const HoldingForces& second);
   [[nodiscard]] double damping_between_halves();
   void complete_near();
-  void fit_places();
+  void fit_given();
   void take_off_blow(const ConstraintSet& constraints);
   void blow_lumped(std::span<const DofValue> given, const MeanCondition* mean);
   void settle();
@@ -107,14 +107,13 @@ class ImplicitNewmark final : public TimeIntegrator {
   bool twice_ = false;    ///< this step is two half steps
   bool halfway_ = false;  ///< this stage is the first of them
   std::vector<PrescribedDof> held_;
-  bool held_move_ = false;       ///< some held dof has an increment
-  bool held_begin_ = false;      ///< one that its velocity does not explain
-  double fastest_ = 0;           ///< speed of given motion so far (m/s)
-  std::vector<int> given_dofs_;  ///< by the needle in this trial; ascending
-  std::vector<int> last_given_;  ///< in the last step
-  std::vector<int> placed_;      ///< of them, those with a given place
+  bool held_move_ = false;                  ///< some held dof has an increment
+  bool held_begin_ = false;                 ///< one that its velocity does not explain
+  double fastest_ = 0;                      ///< speed of given motion so far (m/s)
+  std::vector<PrescribedDof> needle_dofs_;  ///< in this trial
   bool has_mean_ = false;
-  bool had_mean_ = false;
+  bool had_mean_ = false;         ///< in the last step
+  bool released_ = false;         ///< then
   std::vector<int> watched_;      ///< dofs
   std::vector<int> edited_;       ///< nodes whose rows changed since the last trial; ascending
   std::vector<int> surrounding_;  ///< what they couple to

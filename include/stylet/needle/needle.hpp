@@ -17,6 +17,7 @@
 #include "stylet/needle/track.hpp"
 #include "stylet/needle/view.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,6 +77,8 @@ struct Multiplier {
   Multiplier(double all) : needed(all), working(all), settled(all) {}
   Multiplier(double with_blow, double that_works, double after_blow)
       : needed(with_blow), working(that_works), settled(after_blow) {}
+  /// Before a blow or after it: the smaller one, so that a cut that follows lets the tissue fall back.
+  [[nodiscard]] double bearing() const { return std::min(2 * working - settled, settled); }
   double needed;
   double working;
   double settled;

@@ -84,6 +84,7 @@ class EnergyLedger {
   bool inertia_;
   double end_weight_;
   bool is_explicit_;
+  const char* advice_;    ///< of the message that ends a run
   double largest_swing_;  ///< kinetic and strain energy over what was supplied, if stable
   double swing_ = 0;      ///< by which they are above it now (J): h²/8 a M a
   double h_ = 0;          ///< of the last step (s)
