@@ -265,12 +265,12 @@ def time_of(draw, method, inserting):
     return time, inserting / steps
 
 
-def scene_of(seed, most_triangles=2000):
+def scene_of(seed):
     draw = Draw(f"stylet {seed}")
     method = draw.choice(["implicit"] * 5 + ["quasi_static"] * 3 + ["explicit"])
     size = (round(draw.uniform(0.04, 0.12), 4), round(draw.uniform(0.03, 0.1), 4))
     # Explicit ones follow the stable step: small meshes and quick needles keep them short.
-    triangles = draw.log(100, min(most_triangles, 600) if method == "explicit" else most_triangles)
+    triangles = draw.log(100, 600 if method == "explicit" else 2000)
     element = math.sqrt(2 * size[0] * size[1] / triangles)
     grid = tuple(max(4, round(x / element)) for x in size)
     element = max(x / n for x, n in zip(size, grid))
