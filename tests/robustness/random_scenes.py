@@ -143,7 +143,8 @@ def tags_of(scene, facts, run):
         tags.add("tip_length below 2 elements")
     if facts["speed"] * facts["step"] > 1e-3:
         tags.add("more than 1 mm a step")
-    if run.seeds and min(depth_of(s, facts["paths"]) for s in run.seeds) < max(tip, facts["element"]):
+    depths = [depth_of(seed, facts["paths"]) for seed in run.seeds]
+    if depths and min(depths) < max(tip, facts["element"]):
         tags.add("seed shallower than the tip is long")
     for key in ("membrane", "loads", "prescribed", "needle_angle"):
         if key in scene:
@@ -161,9 +162,10 @@ def tags_of(scene, facts, run):
 def judge(program, seed, folder):
     scene, facts = scene_generator.scene_of(seed)
     base = Run(program, scene, folder / "base")
-    result = {"seed": seed, "travel": facts["speed"] * facts["step"], "element": facts["element"],
-              "tip_length": tip_of(scene), "code": base.code, "message": base.message, "wrong": [], "forces": [],
-              "refused_variants": [], "noted": [], "tags": tags_of(scene, facts, base)}
+    result = {"seed": seed, "code": base.code, "message": base.message, "wrong": [], "forces": [],
+              "refused_variants": [], "noted": [], "tags": tags_of(scene, facts, base),
+              "travel": facts["speed"] * facts["step"], "element": facts["element"],
+              "tip_length": tip_of(scene)}
     if base.code in (2, 3) and "\n" in base.message or base.code not in (0, 2, 3, "slow"):
         result["wrong"].append({"what": "end", "value": f"exit {base.code}: {base.message}"})
     if base.code != 0:
