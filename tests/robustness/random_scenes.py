@@ -159,6 +159,31 @@ def tags_of(scene, facts, run):
     return sorted(tags)
 
 
+def cause_of(name, scene, facts, base, run):
+    """What the worst difference between two runs looks like: a guess, to sort them by."""
+    pairs = [(a, b) for a, b in zip(base.seeds, run.seeds) if "placement_error" in a]
+    a, b = max(pairs, key=lambda p: abs(p[1]["placement_error"] - p[0]["placement_error"]))
+    change = b["placement_error"] - a["placement_error"]
+    depths = [depth_of(seed, facts["paths"]) for seed in (a, b)]
+    travel, element, tip = facts["speed"] * facts["step"], facts["element"], tip_of(scene)
+    laws = {needle["cutting"].get("law") for needle in scene["needles"]}
+    if depths[1] < TOUCHED:
+        return "the variant never entered"
+    if "increment" in laws or (name == "other law" and scene["time"]["method"] == "explicit"):
+        return "increment law"
+    if base.summary["punctures"] != run.summary["punctures"]:
+        return "number of punctures"
+    if name == "other law" and 0.6 * travel < abs(change) < 1.2 * travel:
+        return "lagged is late by the way of a step"
+    if name == "half step" and "lagged" in laws:
+        return "lagged is late by the way of a step"
+    if max(largest_snap(r.folder, facts) for r in (base, run)) > 2e-3 + 0.5 * element:
+        return "the tip jumps"
+    if min(depths) < max(tip, element):
+        return "stopped within tip_length of the skin"
+    return "coarse mesh for the tip" if tip < 2 * element else "other"
+
+
 def judge(program, seed, folder):
     scene, facts = scene_generator.scene_of(seed)
     base = Run(program, scene, folder / "base")
@@ -167,7 +192,8 @@ def judge(program, seed, folder):
               "travel": facts["speed"] * facts["step"], "element": facts["element"],
               "tip_length": tip_of(scene)}
     if base.code in (2, 3) and "\n" in base.message or base.code not in (0, 2, 3, "slow"):
-        result["wrong"].append({"what": "end", "value": f"exit {base.code}: {base.message}"})
+        result["wrong"].append({"what": "end", "value": f"exit {base.code}: {base.message}",
+                                "cause": "end"})
     if base.code != 0:
         return result
     result |= {"placement_errors": base.errors(), "peak_needle_force": base.peak,
@@ -175,7 +201,8 @@ def judge(program, seed, folder):
     for i, s in enumerate(base.seeds):
         if "placement_error" in s and depth_of(s, facts["paths"]) < TOUCHED:
             result["wrong"].append({"what": "never entered",
-                                    "value": f"seed {i}: {1e3 * s['placement_error']:.3f} mm"})
+                                    "value": f"seed {i}: {1e3 * s['placement_error']:.3f} mm",
+                                    "cause": "never entered"})
     never_in = bool(result["wrong"])
     for name, other in variants(scene, facts).items():
         run = Run(program, other, folder / name.replace(" ", "_"))
@@ -190,7 +217,8 @@ def judge(program, seed, folder):
         if found:
             notes = result["notes"] + (specific(run.notes) if name == "other law" else [])
             warned = any(WARNS[name].search(note) for note in notes)
-            entry = {"what": name, "value": "; ".join(found)}
+            entry = {"what": name, "value": "; ".join(found),
+                     "cause": cause_of(name, scene, facts, base, run)}
             result["noted" if warned else "wrong"].append(entry)
         if base.peak > 0 and abs(run.peak - base.peak) > ALLOWED_SHARE * base.peak:
             result["forces"].append({"what": name, "value":
@@ -245,6 +273,13 @@ def report(results):
     table("Refusals", ("end", "message", "number", "smallest seed"),
           [(*key, len(seeds), min(seeds)) for key, seeds in
            sorted(messages.items(), key=lambda item: -len(item[1]))])
+    causes = collections.defaultdict(set)
+    for r in results:
+        for e in r["wrong"]:
+            causes[e["cause"]].add(r["seed"])
+    table("Wrong, by what it looks like", ("cause", "scenes", "smallest seeds"),
+          [(cause, len(seeds), ", ".join(map(str, sorted(seeds)[:8]))) for cause, seeds in
+           sorted(causes.items(), key=lambda item: -len(item[1]))])
     tags = collections.defaultdict(lambda: [0, []])
     for r in in_tissue:
         for tag in r["tags"]:
@@ -255,9 +290,9 @@ def report(results):
           ("scenes with", "number", "differ", "smallest seeds"),
           [(tag, n, len(seeds), ", ".join(map(str, seeds[:4]))) for tag, (n, seeds) in
            sorted(tags.items(), key=lambda item: -len(item[1][1]) / item[1][0])])
-    table("Wrong", ("seed", "what", "values", "tip / element", "way a step, mm", "largest snap, mm",
-                    "scene"),
-          [(r["seed"], e["what"], e["value"], f"{r['tip_length'] / r['element']:.2f}",
+    table("Wrong", ("seed", "what", "values", "looks like", "tip / element", "way a step, mm",
+                    "largest snap, mm", "scene"),
+          [(r["seed"], e["what"], e["value"], e["cause"], f"{r['tip_length'] / r['element']:.2f}",
             f"{1e3 * r['travel']:.2f}", f"{1e3 * r.get('largest_snap', 0):.2f}",
             ", ".join(r["tags"])) for r in results for e in r["wrong"]])
     table("Peak forces that differ", ("seed", "what", "values", "scene"),
