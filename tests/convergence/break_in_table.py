@@ -36,7 +36,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TREND = 1.5
 FREE_LENGTH, FREE_SHARE = 0.1, 0.02  # mm; of the value
-OUTSIDE = 1e-3  # mm of the tissue that the tip is short of
+OUTSIDE = 1e-3  # mm; a tip that is no deeper in the tissue is outside
 AGREE_LENGTH, AGREE_SHARE = 0.1, 0.05
 MEMBRANE_DEPTH = 0.03  # m, where the needle stops in the table of membranes
 
@@ -110,7 +110,9 @@ def richardson(values):
     if len(numbers) < 3 or not all(isinstance(v, float) for v in numbers[-3:]):
         return ["", ""]
     a, b, c = numbers[-3:]
-    if c == b or (b - a) / (c - b) <= 1:
+    if abs(c - b) < OUTSIDE:
+        return ["", ""]
+    if (b - a) / (c - b) <= 1:
         return ["none", ""]
     ratio = (b - a) / (c - b)
     return [f"{math.log2(ratio):.2f}", f"{c + (c - b) / (ratio - 1):.2f}"]

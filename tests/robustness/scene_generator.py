@@ -6,7 +6,7 @@ what the schema ties together; forces follow the stiffness so that most needles 
 import math
 import random
 
-TRACKED = 0.8  # of the way through the tissue: the deepest insertion
+DEEPEST = 0.8  # of the way through the tissue: the deepest insertion
 
 
 class Draw(random.Random):
@@ -32,7 +32,7 @@ def force(x):
 class Path:
     """Of a needle: entry on a side of the rectangle, direction, length of tissue ahead."""
 
-    def __init__(self, draw, size, degrees, share):
+    def __init__(self, size, degrees, share):
         self.angle = math.radians(degrees)
         self.d = (math.cos(self.angle), math.sin(self.angle))
         self.size = size
@@ -167,9 +167,9 @@ class Motion:
                             {"settle": {"duration": "0.2 s"}})
 
 
-def motion_of(draw, path, element, speed, targets, damped):
-    depth = path.through * (draw.uniform(0.1, TRACKED) if draw.chance(0.75)
-                            else draw.log(0.02, TRACKED))
+def motion_of(draw, path, speed, targets, damped):
+    depth = path.through * (draw.uniform(0.1, DEEPEST) if draw.chance(0.75)
+                            else draw.log(0.02, DEEPEST))
     motion = Motion(draw, path, speed, targets)
     kind = draw.choice(["plain", "plain", "plain", "hold", "ends", "ends", "way_out", "deeper",
                         "again", "none"])
@@ -228,7 +228,8 @@ def conditions_of(draw, path, modulus, thickness, end):
         traction = modulus * thickness * draw.log(1e-4, 5e-3)
         turn = draw.uniform(0, 2 * math.pi)
         scene["loads"] = {"traction": [{
-            "curve": loose, "force": [f"{traction * f(turn):.4g} N/m" for f in (math.cos, math.sin)],
+            "curve": loose,
+            "force": [f"{traction * f(turn):.4g} N/m" for f in (math.cos, math.sin)],
             "start": f"{draw.choice([0, draw.uniform(0, 0.7) * end]):.4g} s"}]}
     if draw.chance(0.1):
         scene.setdefault("loads", {})["body"] = [{
@@ -265,12 +266,12 @@ def time_of(draw, method, inserting):
     return time, inserting / steps
 
 
-def scene_of(seed, most_triangles=2000):
+def scene_of(seed):
     draw = Draw(f"stylet {seed}")
     method = draw.choice(["implicit"] * 5 + ["quasi_static"] * 3 + ["explicit"])
     size = (round(draw.uniform(0.04, 0.12), 4), round(draw.uniform(0.03, 0.1), 4))
     # Explicit ones follow the stable step: small meshes and quick needles keep them short.
-    triangles = draw.log(100, min(most_triangles, 600) if method == "explicit" else most_triangles)
+    triangles = draw.log(100, 600 if method == "explicit" else 2000)
     element = math.sqrt(2 * size[0] * size[1] / triangles)
     grid = tuple(max(4, round(x / element)) for x in size)
     element = max(x / n for x, n in zip(size, grid))
@@ -292,8 +293,8 @@ def scene_of(seed, most_triangles=2000):
     friction = friction_of(draw, cutting_force) if draw.chance(0.6) else None
     needles, targets, paths, motions = [], {}, [], []
     for i, share in enumerate(shares):
-        paths.append(Path(draw, size, degrees, share))
-        motions.append(motion_of(draw, paths[-1], element, speed, targets, damped))
+        paths.append(Path(size, degrees, share))
+        motions.append(motion_of(draw, paths[-1], speed, targets, damped))
         needles.append({"name": f"n{i + 1}", "height": length(paths[-1].height),
                         "cutting": dict(cutting)})
         if i > 0 and draw.chance(0.4):
