@@ -52,4 +52,10 @@ struct Plan {
 /// ends at an end of its range without reaching the tolerance.
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options);
 
+/// Collective. summary.json in the plan's folder.
+void write_summary(MPI_Comm comm, const Plan& plan);
+
+/// Tables on standard output. given: the scene before planning.
+void print(const Plan& plan, const Scene& given);
+
 }  // namespace stylet
