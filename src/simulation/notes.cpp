@@ -1,5 +1,6 @@
 #include "stylet/simulation/notes.hpp"
 
+#include "stylet/petsc/check.hpp"
 #include "stylet/simulation/point_text.hpp"
 
 #include <cmath>
@@ -19,6 +20,26 @@ void note_strain(const Simulation& simulation, std::vector<std::string>& notes) 
                   ", such as at " + point_text(simulation.scene(), peak.place) +
                   " at t = " + brief(peak.time) +
                   " s; linear elasticity is good for small strain, up to some 10 %");
+}
+
+/// A placement error is that of a seed at rest.
+void note_motion(const Simulation& simulation, std::vector<std::string>& notes) {
+  if (!simulation.done() || simulation.seeds().empty()) return;
+  if (simulation.scene().time.until_implanted) return;
+  const Needle* needle = simulation.needle();
+  if (needle != nullptr && !needle->released()) {
+    notes.push_back("needle '" + needle->parameters().name +
+                    "' is still in: seeds are where it holds them, not where they come to rest");
+    return;
+  }
+  // A quasi-static step ends at rest, however far it went.
+  if (simulation.scene().time.method == TimeMethod::quasi_static) return;
+  constexpr double at_rest = 1e-5;  // m/s
+  PetscReal speed = 0;
+  check(VecNorm(simulation.state().v.get(), NORM_INFINITY, &speed));
+  if (speed <= at_rest) return;
+  notes.push_back("the tissue still moves, by up to " + brief(1e3 * speed) +
+                  " mm/s: seeds are not at rest; end with settle");
 }
 
 void note_locking(const Scene& scene, std::vector<std::string>& notes) {
@@ -53,6 +74,7 @@ void note_held_corners(const Simulation& simulation, std::vector<std::string>& n
 
 std::vector<std::string> notes_of(const Simulation& simulation) {
   std::vector<std::string> notes;
+  note_motion(simulation, notes);
   note_strain(simulation, notes);
   note_locking(simulation.scene(), notes);
   note_point_tips(simulation.scene(), notes);

@@ -5,7 +5,6 @@
 #include "stylet/output/folder.hpp"
 #include "stylet/output/history.hpp"
 #include "stylet/output/progress.hpp"
-#include "stylet/output/summary.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/owned.hpp"
 #include "stylet/petsc/session.hpp"
@@ -15,12 +14,10 @@
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/study/identity.hpp"
 
-#include <nlohmann/json.hpp>
 #include <petsctao.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -363,48 +360,6 @@ void check_options(const Scene& scene, const PlanOptions& options) {
   }
 }
 
-void print(const Plan& plan, const Scene& given) {
-  std::printf("%-12s  %-12s  %22s  %14s  %s\n", "needle", "target", "error before (mm)",
-              "planned (mm)", "jitter of the mesh (mm)");
-  for (const auto& seed : plan.seeds) {
-    std::printf("%-12s  %-12s  %22.3f  %14.3f  %.3f\n", seed.needle.c_str(), seed.target.c_str(),
-                1e3 * seed.error_before, 1e3 * seed.error, 1e3 * seed.jitter);
-  }
-  for (const auto& seed : plan.seeds) {
-    if (seed.uncertainty) {
-      std::printf("placement error of the seed for '%s', with its numerical error: %s\n",
-                  seed.target.c_str(),
-                  with_uncertainty(seed.error, *seed.uncertainty, 1e3, "mm").c_str());
-    } else {
-      std::printf("note: numerical error unknown for '%s': stylet converge --store\n",
-                  seed.target.c_str());
-    }
-  }
-  for (std::size_t n = 0; n < given.needles.size(); ++n) {
-    const auto& before = given.needles[n];
-    const auto& after = plan.scene.needles[n];
-    std::printf("%s: height %.3f -> %.3f mm\n", after.name.c_str(), 1e3 * before.height,
-                1e3 * after.height);
-    for (std::size_t i = 0; i < after.motion.size(); ++i) {
-      const Action& a = before.motion[i];
-      const Action& b = after.motion[i];
-      if (!is_stop(b)) continue;
-      if (b.position && *a.position != *b.position) {
-        std::printf("  motion %zu: position %.3f -> %.3f mm\n", i, 1e3 * *a.position,
-                    1e3 * *b.position);
-      }
-      if (b.depth && *a.depth != *b.depth) {
-        std::printf("  motion %zu: depth %.3f -> %.3f mm\n", i, 1e3 * *a.depth, 1e3 * *b.depth);
-      }
-      if (a.speed != b.speed) {
-        std::printf("  motion %zu: speed %.3f -> %.3f cm/s\n", i, 1e2 * a.speed, 1e2 * b.speed);
-      }
-    }
-  }
-  std::printf("%d runs; files in %s: planned.yaml (the scene as planned), plan.csv, summary.json\n",
-              plan.runs, plan.folder.c_str());
-}
-
 /// Collective. What `plan` does once its folder is there.
 void plan_in(OutputFolder& folder,
              MPI_Comm comm,
@@ -416,21 +371,7 @@ void plan_in(OutputFolder& folder,
   check_unused_options();
   result.scene = planner.planned(scene);
   write_text_atomically(comm, result.folder + "/planned.yaml", resolved_text(result.scene));
-  nlohmann::ordered_json summary{{"status", result.at_ends.empty() ? "completed" : "failed"},
-                                 {"runs", result.runs}};
-  for (const auto& seed : result.seeds) {
-    summary["seeds"].push_back({{"needle", seed.needle},
-                                {"target", seed.target},
-                                {"error_before", seed.error_before},
-                                {"placement_error", seed.error},
-                                {"jitter", seed.jitter}});
-    if (seed.uncertainty) {
-      summary["seeds"].back()["uncertainty"] = {{"mesh", seed.uncertainty->mesh},
-                                                {"step", seed.uncertainty->step},
-                                                {"total", seed.uncertainty->total()}};
-    }
-  }
-  if (!result.at_ends.empty()) summary["at_ends_of_ranges"] = result.at_ends;
+  auto summary = summary_of(result);
   add_identity(summary, mesh_files(comm, std::span(&scene, 1)));
   folder.finish(summary);
 }

@@ -98,7 +98,7 @@ needles:
   - height: 3 cm
     cutting: {cutting_force: 1.7 N, tip_length: 6 mm}
     friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s}
-    motion: [insert: {speed: 2 cm/s, position: 3.5 cm}, implant]
+    motion: [insert: {speed: 2 cm/s, position: 3.5 cm}, implant, retract: {speed: 2 cm/s}, settle]
 targets: {seed: [3.5 cm, 3 cm]}
 probes: {above: [3 cm, 4.5 cm], below: [3 cm, 1.5 cm]}
 time: {step: 10 ms, until: implanted}

@@ -315,6 +315,20 @@ TEST(Notes, AreRare) {
   EXPECT_THAT(notes_of(soft), testing::ElementsAre(HasSubstr("away from the needle")));
 }
 
+TEST(Notes, SeedsThatAreNotAtRest) {
+  const auto notes = [](const std::string& end) {
+    Simulation simulation(
+        MPI_COMM_WORLD,
+        scene_of(pierced, {motion("insert: {speed: 4 cm/s, depth: 2.5 cm}, implant: {}" + end)}),
+        false);
+    run_to_end(simulation);
+    return notes_of(simulation);
+  };
+  EXPECT_THAT(notes(""), testing::Contains(HasSubstr("is still in")));
+  EXPECT_THAT(notes(", retract: {speed: 4 cm/s}"), testing::Contains(HasSubstr("still moves")));
+  EXPECT_THAT(notes(", retract: {speed: 4 cm/s}, settle: {}"), IsEmpty());
+}
+
 TEST(Notes, PlainTrianglesLock) {
   const auto notes = [](const std::string& nu, const std::string& formulation) {
     const Simulation simulation(

@@ -5,6 +5,7 @@
 #include "stylet/simulation/accuracy.hpp"
 
 #include <mpi.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <optional>
@@ -51,5 +52,11 @@ struct Plan {
 /// without targets, NumericalError where a run fails, and, with everything written, where the plan
 /// ends at an end of its range without reaching the tolerance.
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options);
+
+/// What summary.json says of it.
+[[nodiscard]] nlohmann::ordered_json summary_of(const Plan& plan);
+
+/// Tables on standard output. given: the scene before planning.
+void print(const Plan& plan, const Scene& given);
 
 }  // namespace stylet

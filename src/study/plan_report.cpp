@@ -1,0 +1,68 @@
+#include "stylet/study/plan.hpp"
+
+#include <cstdio>
+
+namespace stylet {
+
+void print(const Plan& plan, const Scene& given) {
+  std::printf("%-12s  %-12s  %22s  %14s  %s\n", "needle", "target", "error before (mm)",
+              "planned (mm)", "jitter of the mesh (mm)");
+  for (const auto& seed : plan.seeds) {
+    std::printf("%-12s  %-12s  %22.3f  %14.3f  %.3f\n", seed.needle.c_str(), seed.target.c_str(),
+                1e3 * seed.error_before, 1e3 * seed.error, 1e3 * seed.jitter);
+  }
+  for (const auto& seed : plan.seeds) {
+    if (seed.uncertainty) {
+      std::printf("placement error of the seed for '%s', with its numerical error: %s\n",
+                  seed.target.c_str(),
+                  with_uncertainty(seed.error, *seed.uncertainty, 1e3, "mm").c_str());
+    } else {
+      std::printf("note: numerical error unknown for '%s': stylet converge --store\n",
+                  seed.target.c_str());
+    }
+  }
+  for (std::size_t n = 0; n < given.needles.size(); ++n) {
+    const auto& before = given.needles[n];
+    const auto& after = plan.scene.needles[n];
+    std::printf("%s: height %.3f -> %.3f mm\n", after.name.c_str(), 1e3 * before.height,
+                1e3 * after.height);
+    for (std::size_t i = 0; i < after.motion.size(); ++i) {
+      const Action& a = before.motion[i];
+      const Action& b = after.motion[i];
+      if (b.kind != ActionKind::insert && b.kind != ActionKind::retract) continue;
+      if (b.position && *a.position != *b.position) {
+        std::printf("  motion %zu: position %.3f -> %.3f mm\n", i, 1e3 * *a.position,
+                    1e3 * *b.position);
+      }
+      if (b.depth && *a.depth != *b.depth) {
+        std::printf("  motion %zu: depth %.3f -> %.3f mm\n", i, 1e3 * *a.depth, 1e3 * *b.depth);
+      }
+      if (a.speed != b.speed) {
+        std::printf("  motion %zu: speed %.3f -> %.3f cm/s\n", i, 1e2 * a.speed, 1e2 * b.speed);
+      }
+    }
+  }
+  std::printf("%d runs; files in %s: planned.yaml (the scene as planned), plan.csv, summary.json\n",
+              plan.runs, plan.folder.c_str());
+}
+
+nlohmann::ordered_json summary_of(const Plan& result) {
+  nlohmann::ordered_json summary{{"status", result.at_ends.empty() ? "completed" : "failed"},
+                                 {"runs", result.runs}};
+  for (const auto& seed : result.seeds) {
+    summary["seeds"].push_back({{"needle", seed.needle},
+                                {"target", seed.target},
+                                {"error_before", seed.error_before},
+                                {"placement_error", seed.error},
+                                {"jitter", seed.jitter}});
+    if (seed.uncertainty) {
+      summary["seeds"].back()["uncertainty"] = {{"mesh", seed.uncertainty->mesh},
+                                                {"step", seed.uncertainty->step},
+                                                {"total", seed.uncertainty->total()}};
+    }
+  }
+  if (!result.at_ends.empty()) summary["at_ends_of_ranges"] = result.at_ends;
+  return summary;
+}
+
+}  // namespace stylet
