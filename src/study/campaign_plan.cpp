@@ -222,7 +222,8 @@ class Planner {
     // A grid: the variable that is taken on the way changes fastest, then the last one.
     std::vector<std::size_t> order(vary.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_partition(order, [&](std::size_t i) { return !vary[i].on_the_way; });
+    std::stable_partition(order.begin(), order.end(),
+                          [&](std::size_t i) { return !vary[i].on_the_way; });
     plan_.points.push_back({std::vector<std::string>(vary.size())});
     for (const std::size_t i : order) {
       auto texts = levels(vary[i]);
