@@ -104,11 +104,15 @@ void ConstrainedSolver::adopt(Mat a, Vec like) {
 
 int ConstrainedSolver::run(Vec rhs, Vec x, const char* what, double& scale) {
   PetscReal size = 0;
-  check(VecNorm(rhs, NORM_INFINITY, &size));
-  if (size == 0) {  // no residual is small beside it
+  check(VecNorm(rhs, NORM_2, &size));
+  if (size == 0) {  // KSP would stop somewhere between the first guess and zero
     check(VecSet(x, 0));
     return 0;
   }
+  PetscReal guess = 0;
+  check(MatMult(shell_.get(), x, residual_.get()));
+  check(VecNorm(residual_.get(), NORM_2, &guess));
+  scale = std::max({scale, size, guess});
   check(KSPSolve(ksp_.get(), rhs, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
@@ -119,27 +123,23 @@ int ConstrainedSolver::run(Vec rhs, Vec x, const char* what, double& scale) {
                          KSPConvergedReasons[reason] + " after " + std::to_string(iterations) +
                          " iterations");
   }
-  require_solved(rhs, x, what, scale);
+  require_solved(rhs, x, what, largest_residual * scale);
   return iterations;
 }
 
 /// Options can end the iteration early and call it converged (-ksp_rtol, -ksp_type preonly with a
 /// weak PC, -ksp_norm_type none): what counts is how far the answer is from solving the system.
-/// scale: the largest right-hand side so far; an increment's may be mere round-off.
-void ConstrainedSolver::require_solved(Vec rhs, Vec x, const char* what, double& scale) {
-  PetscReal size = 0;
+void ConstrainedSolver::require_solved(Vec rhs, Vec x, const char* what, double allowed) {
   PetscReal miss = 0;
-  check(VecNorm(rhs, NORM_2, &size));
-  scale = std::max(scale, size);
   check(MatMult(shell_.get(), x, residual_.get()));
   check(VecAXPY(residual_.get(), -1, rhs));
   check(VecNorm(residual_.get(), NORM_2, &miss));
-  if (miss <= largest_residual * scale) return;
-  char text[40];
-  std::snprintf(text, sizeof text, "%.1e", miss / scale);
-  throw NumericalError(
-      std::string("the linear solver left a residual of ") + text + " for " + what +
-      ", where at most 1e-4 is right: solver options (after --) are not fit for this scene");
+  if (miss <= allowed) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "the linear solver left a residual of %.1e (allowed: %.1e) for ",
+                miss, allowed);
+  throw NumericalError(std::string(text) + what +
+                       "; solver options (after --), if there are any, do not fit this scene");
 }
 
 ConstrainedSolver::Result ConstrainedSolver::solve(

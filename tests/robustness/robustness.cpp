@@ -76,7 +76,7 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
       if (verbose && simulation.needle() != nullptr) {
         const auto& n = *simulation.needle();
         std::printf(
-            "  t %.4f tip %.3f mm %s contact %d hand-overs %d passes %d tip %.3f N friction "
+            "  t %.4f tip %.3f mm %s contact %d hand-overs %d passes %lld tip %.3f N friction "
             "%.3f N worst %.4f\n",
             step.t, 1e3 * (n.motion().tip() - n.motion().skin()), stylet::name_of(n.phase()),
             static_cast<int>(n.tip_contact()), outcome.counts.needle.hand_overs, step.passes,

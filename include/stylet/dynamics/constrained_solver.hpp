@@ -49,8 +49,10 @@ class ConstrainedSolver {
   static PetscErrorCode multiply(Mat shell, Vec x, Vec y);
   static PetscErrorCode precondition(PC shell, Vec x, Vec y);
   void adopt(Mat a, Vec like);
+  /// scale: the largest right-hand side so far, that of the first guess included: beside them a
+  /// right-hand side may be mere round-off.
   int run(Vec rhs, Vec x, const char* what, double& scale);
-  void require_solved(Vec rhs, Vec x, const char* what, double& scale);
+  void require_solved(Vec rhs, Vec x, const char* what, double allowed);
   void project(Vec x) const;
 
   MPI_Comm comm_;
