@@ -476,9 +476,6 @@ bool Needle::cut_further(double g) {
   if (to <= 0) {
     // Less than nothing to cut: the tip sticks.
     remaining_ = -b_;
-    last_gap_.reset();
-    too_short_.reset();
-    too_far_.reset();
     tip_ = TipContact::stick;
     return false;
   }
