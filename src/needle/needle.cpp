@@ -400,7 +400,9 @@ bool Needle::review_tip(const Mesh& mesh, const TrialView& trial, const Multipli
       }
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
       // Before a blow or after it: the smaller one, so that a cut that follows lets the tissue fall back.
-      const double before = 2 * lambda.working - lambda.settled;
+      // What only backward Euler has, one force over the whole step, is itself the force before.
+      const bool one_force = lambda.needed == lambda.working;
+      const double before = one_force ? lambda.needed : 2 * lambda.working - lambda.settled;
       if (std::min(before, lambda.settled) <= limit * (1 + force_slack)) return true;
       if (membrane_edge_) {
         punctured_.insert(*membrane_edge_);
