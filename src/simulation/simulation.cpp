@@ -187,7 +187,7 @@ StepRecord Simulation::step_unguarded() {
   }
   if (done_) {
     ledger_.weigh(*tissue_, state_);
-  } else if (track_energy_) {
+  } else if (track_energy_ && ledger_.unchecked()) {
     ledger_.measure(*tissue_, state_);
   }
   record.t = state_.t;

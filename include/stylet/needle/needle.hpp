@@ -77,8 +77,12 @@ struct Multiplier {
   Multiplier(double all) : needed(all), working(all), settled(all) {}
   Multiplier(double with_blow, double that_works, double after_blow)
       : needed(with_blow), working(that_works), settled(after_blow) {}
-  /// Before a blow or after it: the smaller one, so that a cut that follows lets the tissue fall back.
-  [[nodiscard]] double bearing() const { return std::min(2 * working - settled, settled); }
+  /// By which cutting is decided: before a blow or after it the smaller one, so that a cut that follows
+  /// lets the tissue fall back. Backward Euler has one force over the whole step.
+  [[nodiscard]] double bearing() const {
+    const bool one_force = needed == working;
+    return std::min(one_force ? needed : 2 * working - settled, settled);
+  }
   double needed;
   double working;
   double settled;

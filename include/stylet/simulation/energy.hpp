@@ -59,6 +59,8 @@ class EnergyLedger {
   [[nodiscard]] double end_weight(const Trial& trial) const {
     return trial.means ? 1 : end_weight_;
   }
+  /// True if kinetic and strain energy are of an earlier step.
+  [[nodiscard]] bool unchecked() const { return unchecked_ > 0; }
   [[nodiscard]] bool due() const { return unchecked_ >= interval_; }
 
   /// Collective, after a step. Kinetic and strain energy for the record; what is checked, and when, does
