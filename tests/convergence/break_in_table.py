@@ -241,7 +241,8 @@ def membrane_tables(given, program, pool):
                 for step in given.steps:
                     values = [jobs[where, law, step, mesh].result()
                               if is_run(given, step, mesh) else None for mesh in given.meshes]
-                    reached = [v[1] if isinstance(v, tuple) else v for v in values]
+                    reached = ["never held" if isinstance(v, tuple) and not v[0] > 0 else
+                               v[1] if isinstance(v, tuple) else v for v in values]
                     trend = off_trend(reached)
                     cells = []
                     for i, value in enumerate(values):
