@@ -1,6 +1,7 @@
 #include "stylet/base/units.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/base/utf8.hpp"
 
 #include <udunits2.h>
@@ -117,6 +118,10 @@ std::optional<Quantity> split_quantity(const std::string& text) {
   const auto [end, error] = std::from_chars(first, last, number);
   if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
   return Quantity{number, trimmed({end, last})};
+}
+
+std::string with_unit(double value, const std::string& unit) {
+  return exact(value) + (unit.empty() ? "" : " " + unit);
 }
 
 Reading read_plain(const std::string& text) {

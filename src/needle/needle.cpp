@@ -672,6 +672,13 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
   return report;
 }
 
+TipStand Needle::stand(const Mesh& mesh) const {
+  const auto around = mesh.cells_around(track_.tip());
+  double size = 0;
+  for (const int c : around) size += std::sqrt(2 * mesh.cell_measure(c));
+  return {pending_, last_tip_force_, force_to_cut(mesh), size / static_cast<double>(around.size())};
+}
+
 ReferencePoint Needle::tip_point(const Mesh& mesh) const {
   const auto s = track_.distances(mesh);
   for (std::size_t i = 0; i + 1 < s.size(); ++i) {

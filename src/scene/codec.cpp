@@ -14,10 +14,6 @@ namespace stylet {
 
 namespace {
 
-std::string with_unit(double value, const std::string& unit) {
-  return exact(value) + (unit.empty() ? "" : " " + unit);
-}
-
 std::string range_text(const Range& range, const std::string& unit) {
   std::string text;
   if (std::isfinite(range.min)) {

@@ -305,6 +305,7 @@ void Simulation::implant() {
   seed.place = *place;
   const WorldPoint tip = needle_->axis().at<WorldFrame>(motion.tip());
   seed.displacement = {tip.x - p.x, tip.y - p.y};
+  seed.tip = needle_->stand(mesh());
   seeds_.push_back(seed);
   motion.finish_action();
   if (!scene_.time.until_implanted || n_entered_ < scene_.needles.size()) return;
@@ -370,7 +371,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     trial = integrator_->attempt(set, edited);
     ++record.passes;
     record.iterations += trial.iterations;
-    if (active == nullptr || active->review(mesh(), trial_view(shaft, trial), multiplier(trial)))
+    if (active == nullptr ||
+        active->review(mesh(), trial_view(shaft, trial, step.h), multiplier(trial)))
       break;
     if (pass == most_passes) {
       throw NumericalError("the contact of needle '" + active->parameters().name +
@@ -381,8 +383,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   trial = integrator_->finish(active == nullptr || conditions_.has_load() ||
                               !scene_.prescribed.empty() || ends_settled);
   if (active != nullptr) {
-    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial), multiplier(trial),
-                            ledger_.end_weight(trial));
+    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial, step.h),
+                            multiplier(trial), ledger_.end_weight(trial));
   }
   accept(trial, step.h, report);
   largest_tip_force_ = std::max(largest_tip_force_, report.forces.tip);
@@ -537,14 +539,17 @@ NeedleView Simulation::start_view(std::span<const int> nodes) const {
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(states)};
 }
 
-TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
-  const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
-                          trial.settled.reaction};
+TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial, double h) const {
+  const Vec vectors[6] = {
+      trial.u,       trial.v, trial.needed.reaction, trial.working.reaction, trial.settled.reaction,
+      state_.u.get()};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
-    trials.push_back({of(0), of(1), of(2), of(3), of(4)});
+    // A mean of forces goes with the mean velocity: by another one contacts could contradict each other.
+    const Vector2 v = trial.means ? (1 / h) * (of(0) - of(5)) : of(1);
+    trials.push_back({of(0), v, of(2), of(3), of(4)});
   }
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
 }

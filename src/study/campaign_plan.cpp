@@ -13,10 +13,6 @@ namespace stylet {
 
 namespace {
 
-std::string with_unit(double number, const std::string& unit) {
-  return exact(number) + (unit.empty() ? "" : " " + unit);
-}
-
 /// All of a campaign's arithmetic on texts such as '3.2 cm'.
 class Planner {
  public:
@@ -65,15 +61,12 @@ class Planner {
     std::vector<KeyUse> uses;
     for (const Variable& v : campaign_.vary) {
       if (!v.key.empty()) uses.push_back({v.name, full(v.key), Use::set});
-      for (const Factor& factor : v.factor_of) {
-        uses.push_back({v.name, full(factor.key), Use::factor});
-      }
+      for (const Factor& f : v.factor_of) uses.push_back({v.name, full(f.key), Use::factor});
       for (const auto& key : v.offset_of) uses.push_back({v.name, full(key), Use::offset});
     }
     for (const Window& window : campaign_.average) {
-      for (const auto& key : window.offset_of) {
+      for (const auto& key : window.offset_of)
         uses.push_back({window.name, full(key), Use::window});
-      }
     }
     return uses;
   }

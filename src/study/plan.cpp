@@ -392,13 +392,7 @@ Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
     plan_in(folder, comm, scene, options, result);
   });
   if (rank_of(comm) == 0 && !options.quiet) print(result, scene);
-  if (!result.at_ends.empty()) {
-    double most = 0;
-    for (const auto& seed : result.seeds) most = std::max(most, seed.error);
-    throw NumericalError("the plan ends at the end of a range and still misses by " +
-                         brief(1e3 * most) + " mm: " + join(result.at_ends, ", ") +
-                         "; a wider range may bring the seeds to their targets");
-  }
+  if (!result.at_ends.empty()) throw_at_ends(result);
   return result;
 }
 

@@ -1,5 +1,9 @@
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/simulation/point_text.hpp"
 #include "stylet/study/plan.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace stylet {
@@ -44,6 +48,14 @@ void print(const Plan& plan, const Scene& given) {
   }
   std::printf("%d runs; files in %s: planned.yaml (the scene as planned), plan.csv, summary.json\n",
               plan.runs, plan.folder.c_str());
+}
+
+void throw_at_ends(const Plan& plan) {
+  double most = 0;
+  for (const auto& seed : plan.seeds) most = std::max(most, seed.error);
+  throw NumericalError("the plan ends at the end of a range and still misses by " +
+                       brief(1e3 * most) + " mm: " + join(plan.at_ends, ", ") +
+                       "; a wider range may bring the seeds to their targets");
 }
 
 nlohmann::ordered_json summary_of(const Plan& result) {

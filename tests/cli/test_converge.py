@@ -141,7 +141,8 @@ class Studies(CliTest):
 
     def test_plan_of_seeds_that_do_not_come_to_rest_is_refused(self):
         self.write("in.yaml", COARSE.replace("  until: implanted\n", "")
-                   .replace("      - retract: {speed: 2 cm/s}\n      - settle\n", ""))
+                   .replace("      - retract: {speed: 2 cm/s}\n      - settle\n",
+                            "      - hold: {duration: 0.1 s}\n"))
         self.assert_refused(self.stylet("plan", "in.yaml"), "is not all the way out at the end")
 
     def test_plan_of_two_needles_and_three_seeds(self):

@@ -300,7 +300,7 @@ TEST(Notes, AreRare) {
   run_to_end(reference);
   EXPECT_THAT(notes_of(reference), IsEmpty());
   // Elements at the tip are strained, and would be more so on a finer mesh.
-  EXPECT_GT(reference.largest_strain().anywhere.value, 0.5);
+  EXPECT_GT(reference.largest_strain().anywhere.value, 0.3);
   EXPECT_LT(reference.largest_strain().widespread.value, 0.3);
   // Tissue that is as soft as jelly under the same needle.
   Simulation soft(MPI_COMM_WORLD, scene_of(pierced, {"tissue.regions.tissue.youngs_modulus=4 kPa"}),
@@ -312,21 +312,43 @@ TEST(Notes, AreRare) {
       break;
     }
   }
-  EXPECT_THAT(notes_of(soft), testing::ElementsAre(HasSubstr("away from the needle")));
+  EXPECT_THAT(notes_of(soft), testing::Contains(HasSubstr("away from the needle")));
 }
 
 TEST(Notes, SeedsThatAreNotAtRest) {
   const auto notes = [](const std::string& end) {
     Simulation simulation(
         MPI_COMM_WORLD,
-        scene_of(pierced, {motion("insert: {speed: 4 cm/s, depth: 2.5 cm}, implant: {}" + end)}),
+        scene_of(pierced, {motion("insert: {speed: 4 cm/s, depth: 2.5 cm}, implant: {}" + end),
+                           "mesh.refine=1"}),
         false);
     run_to_end(simulation);
     return notes_of(simulation);
   };
   EXPECT_THAT(notes(""), testing::Contains(HasSubstr("is still in")));
-  EXPECT_THAT(notes(", retract: {speed: 4 cm/s}"), testing::Contains(HasSubstr("still moves")));
+  EXPECT_THAT(notes(", retract: {speed: 2 m/s}"), testing::Contains(HasSubstr("still moves")));
   EXPECT_THAT(notes(", retract: {speed: 4 cm/s}, settle: {}"), IsEmpty());
+}
+
+// Notes of a run of the pierced tissue with these changes.
+std::vector<std::string> notes_with(const std::vector<std::string>& overrides) {
+  Simulation simulation(MPI_COMM_WORLD, scene_of(pierced, overrides), false);
+  run_to_end(simulation);
+  return notes_of(simulation);
+}
+
+TEST(Notes, SayHowLateALaggedCutIs) {
+  const std::string law = "needles.0.cutting.law=lagged";
+  // 2 cm/s in steps of 40 ms: 0.8 mm.
+  EXPECT_THAT(notes_with({law, "time.step=40 ms"}), testing::Contains(HasSubstr("mm late")));
+  EXPECT_THAT(notes_with({law, "time.step=1 ms"}), Not(testing::Contains(HasSubstr("mm late"))));
+  EXPECT_THAT(notes_with({"time.step=40 ms"}), Not(testing::Contains(HasSubstr("mm late"))));
+}
+
+TEST(Notes, SayWhatCoarseElementsAtTheTipCost) {
+  const auto coarse = testing::Contains(HasSubstr("elements at the tip were"));
+  EXPECT_THAT(notes_with({}), coarse);
+  EXPECT_THAT(notes_with({"mesh.refine=2"}), Not(coarse));
 }
 
 TEST(Notes, PlainTrianglesLock) {

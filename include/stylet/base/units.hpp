@@ -17,6 +17,9 @@ struct Reading {
 /// non-breaking spaces are what they look like; a decimal comma is refused by its name.
 [[nodiscard]] Reading read_quantity(const std::string& text, const std::string& si_unit);
 
+/// '3.2 cm', exactly; without a unit the number alone.
+[[nodiscard]] std::string with_unit(double value, const std::string& unit);
+
 /// A finite number that is the whole of `text`.
 [[nodiscard]] Reading read_plain(const std::string& text);
 [[nodiscard]] std::optional<double> plain_number(const std::string& text);

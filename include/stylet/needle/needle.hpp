@@ -48,6 +48,14 @@ struct NeedleStepReport {
   int contact_changes = 0;
 };
 
+/// How the tip stands where a seed is left.
+struct TipStand {
+  double lag = 0;      ///< m of advance that the cutting law has left to later steps
+  double force = 0;    ///< N, on the tip
+  double needed = 0;   ///< N, at which all of the tip cuts on
+  double element = 0;  ///< m, size of the elements around it
+};
+
 struct NeedleCounts {
   int hand_overs = 0;
   int fallbacks = 0;  ///< advances along d because F was no help
@@ -132,6 +140,7 @@ class Needle {
   [[nodiscard]] double force_to_cut(const Mesh& mesh) const {
     return membrane_ ? tissue_.puncture_force : whole_threshold(mesh);
   }
+  [[nodiscard]] TipStand stand(const Mesh& mesh) const;
   [[nodiscard]] bool at_membrane() const { return membrane_.has_value(); }
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
   /// Where the tip stands in the reference mesh: the end of the path, or the point of the path that

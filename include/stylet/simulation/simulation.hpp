@@ -26,6 +26,7 @@ struct Seed {
   double time = 0;       ///< of implantation (s)
   Vector2 displacement;  ///< of the tissue there when it was implanted (m)
   EmbeddedPoint place;
+  TipStand tip;
 };
 
 /// A step of `time.step`, or what an action left of it.
@@ -120,7 +121,9 @@ class Simulation {
   bool edit_for_needle();
   void apply(const NeedleEdits& edits, bool repair);
   [[nodiscard]] NeedleView start_view(std::span<const int> nodes) const;
-  [[nodiscard]] TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
+  [[nodiscard]] TrialView trial_view(std::span<const int> nodes,
+                                     const Trial& trial,
+                                     double h) const;
   [[nodiscard]] ConstraintSet needle_constraints(const Needle* active) const;
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;

@@ -53,6 +53,9 @@ struct Plan {
 /// ends at an end of its range without reaching the tolerance.
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options);
 
+/// NumericalError of a plan that ends at an end of its ranges.
+[[noreturn]] void throw_at_ends(const Plan& plan);
+
 /// What summary.json says of it.
 [[nodiscard]] nlohmann::ordered_json summary_of(const Plan& plan);
 

@@ -7,6 +7,7 @@
 namespace stylet {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -181,21 +182,22 @@ TEST(Campaign, HugeOnesAreRefusedBeforeTheyArePlanned) {
 }
 
 TEST(Campaign, NamesWithDotsStandInQuotes) {
-  const Node dotted =
-      parse_yaml("s.yaml", R"(tissue: {regions: {lobe.left: {youngs_modulus: 60 kPa}}})");
+  const Node dotted = parse_yaml(
+      "s.yaml",
+      R"(tissue: {regions: {lobe.left: {youngs_modulus: 60 kPa}, lobe.right: {youngs_modulus: 60 kPa}}})");
   const auto campaign = load_campaign("c.yaml", R"(
 scene: s.yaml
 outputs: ['probes."a.b".0']
 vary:
   "my.modulus": {key: '"tissue".regions."lobe.left".youngs_modulus', values: [50 kPa]}
-  factor: {factor_of: {tissue.regions."lobe.left".youngs_modulus: 1}, values: [2]}
+  factor: {factor_of: {tissue.regions."lobe.right".youngs_modulus: 1}, values: [2]}
 )",
                                       {});
   const auto plan = plan_runs(campaign, dotted);
   EXPECT_THAT(plan.runs[0].overrides,
-              ElementsAre(R"(tissue.regions."lobe.left".youngs_modulus=60 kPa)"));
+              Contains(R"(tissue.regions."lobe.left".youngs_modulus=60 kPa)"));
   EXPECT_THAT(plan.runs[2].overrides,
-              ElementsAre(R"(tissue.regions."lobe.left".youngs_modulus=120 kPa)"));
+              Contains(R"(tissue.regions."lobe.right".youngs_modulus=120 kPa)"));
   EXPECT_THAT(campaign.outputs, ElementsAre(R"(probes."a.b".0)"));
   EXPECT_THAT(refusal(R"(vary: {x: {key: 'tissue."regions', values: [1]}})"),
               HasSubstr("a quote that is not closed"));
