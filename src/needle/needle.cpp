@@ -408,7 +408,9 @@ double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
 }
 
 bool Needle::review(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda) {
-  if (parameters_.friction && !review_friction(mesh, trial)) {
+  // Another integrator has another gap.
+  if (std::exchange(halves_, lambda.halves) != lambda.halves) forget_search();
+  if (parameters_.friction && !review_friction(mesh, trial, lambda.halves)) {
     forget_search();  // another contact, another gap
     return false;
   }
@@ -419,7 +421,7 @@ bool Needle::review(const Mesh& mesh, const TrialView& trial, const Multiplier& 
 // changed for long, nodes that have slid have one limit of force for sticking and sliding: that is
 // Tresca's problem, which has one solution, and block pivoting finds it (Portugal, Judice and Vicente
 // 1994): all that must change as long as they get fewer, else the last one alone.
-bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
+bool Needle::review_friction(const Mesh& mesh, const TrialView& trial, bool halves) {
   const auto lengths = friction_lengths(mesh);
   const auto& friction = *parameters_.friction;
   const bool careful = std::ranges::any_of(
@@ -432,6 +434,8 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
     if (shaft.contact == Contact::stick) {
       const bool has_slid = careful && shaft.changes > 0;
       const double limit = (has_slid ? friction.kinetic_force : friction.static_force) * lengths[i];
+      // What slides in one half of a step and sticks in the other does neither in both: then it sticks.
+      if (halves && shaft.changes > hasty_changes) continue;
       if (std::abs(Axis::along(node.reaction)) > limit * (1 + force_slack)) wrong.push_back(i);
     } else {
       // A sign that contradicts the new velocity turns into stick (model.md, section 6).

@@ -30,7 +30,7 @@ constexpr double wanted_quality = 0.2;
 constexpr double quality_floor = 0.02;
 
 Multiplier multiplier(const Trial& trial) {
-  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda};
+  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda, trial.means};
 }
 
 double estimated_time(const Scene& scene, const Mesh& mesh) {
@@ -277,6 +277,13 @@ void Simulation::require_cut_in() const {
   if (needle.released()) {
     throw NumericalError(who + "implants a seed, but its tip is not in the tissue: it stands " +
                          brief(-1e3 * depth) + " mm in front of the skin's place at entry");
+  }
+  if (needle.track().size() == 2 && !(largest_tip_force_ > 0)) {
+    throw NumericalError(who + "implants a seed " + brief(1e3 * depth) +
+                         " mm behind the skin, within its first cut, which goes " +
+                         brief(1e3 * path) +
+                         " mm at once, half-way through an element: only a finer mesh can tell how "
+                         "far it has cut");
   }
   // Part of the tip is in a shallow wound by right, but not in one that is a mere dent in the skin.
   constexpr double dent = 0.2;

@@ -83,8 +83,8 @@ struct NodeForce {
 struct Multiplier {
   // NOLINTNEXTLINE(google-explicit-constructor): one number where all are the same
   Multiplier(double all) : needed(all), working(all), settled(all) {}
-  Multiplier(double with_blow, double that_works, double after_blow)
-      : needed(with_blow), working(that_works), settled(after_blow) {}
+  Multiplier(double with_blow, double that_works, double after_blow, bool of_halves)
+      : needed(with_blow), working(that_works), settled(after_blow), halves(of_halves) {}
   /// By which cutting is decided: before a blow or after it the smaller one, so that a cut that follows
   /// lets the tissue fall back. Backward Euler has one force over the whole step.
   [[nodiscard]] double bearing() const {
@@ -94,6 +94,7 @@ struct Multiplier {
   double needed;
   double working;
   double settled;
+  bool halves = false;  ///< the step is two half steps, and forces are their means
 };
 
 class Needle {
@@ -177,7 +178,7 @@ class Needle {
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
   [[nodiscard]] std::vector<NodeShare> tip_shares(const Mesh& mesh) const;
   [[nodiscard]] std::vector<double> friction_lengths(const Mesh& mesh) const;
-  bool review_friction(const Mesh& mesh, const TrialView& trial);
+  bool review_friction(const Mesh& mesh, const TrialView& trial, bool halves);
   bool review_tip(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda);
   bool cut_further(double gap);
   [[noreturn]] void throw_no_solution() const;
@@ -212,6 +213,7 @@ class Needle {
   double base_free_ = 0;    ///< advance from base_ that is cut already (m)
   std::optional<End> end_;  ///< of base_
   AdvanceSearch search_;
+  bool halves_ = false;                     ///< the trials of this step are two half steps
   std::optional<double> holds_beyond_;      ///< advance at which the search let the tip hold (m)
   std::optional<ReferencePoint> membrane_;  ///< where the tip stands at it, not yet punctured
   std::vector<ReferencePoint> punctures_;   ///< of this needle and those before
