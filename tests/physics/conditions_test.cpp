@@ -178,6 +178,16 @@ TEST(Event, ASeedOfANeedleThatNeverCutItsWayInHasNoPlacement) {
               HasSubstr("has not cut its way in"));
 }
 
+TEST(Event, AStopWithinTheFirstCutIsRefused) {
+  // Elements of 5 mm: the first cut goes 2.5 mm.
+  const std::string shallow = motion(
+      "insert: {speed: 4 cm/s, depth: 1 mm}, implant: {}, retract: {speed: 4 cm/s}, settle: {}");
+  EXPECT_THAT(message_of<NumericalError>(pierced, {shallow, "time.step=5 ms"}, true),
+              HasSubstr("within its first cut"));
+  EXPECT_EQ(message_of<NumericalError>(pierced, {shallow, "time.step=5 ms", "mesh.refine=2"}, true),
+            "no error");
+}
+
 TEST(Event, AFailedOrUnfinishedRunHasNoPlacementError) {
   Simulation simulation(MPI_COMM_WORLD, scene_of(pierced), false);
   while (simulation.seeds().empty()) simulation.step();
