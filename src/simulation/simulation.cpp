@@ -278,7 +278,8 @@ void Simulation::require_cut_in() const {
     throw NumericalError(who + "implants a seed, but its tip is not in the tissue: it stands " +
                          brief(-1e3 * depth) + " mm in front of the skin's place at entry");
   }
-  if (needle.track().size() == 2 && needle.tip_contact() == TipContact::open) {
+  const bool beyond = needle.tip_contact() != TipContact::open && depth >= path;
+  if (needle.track().size() == 2 && !beyond) {
     throw NumericalError(who + "implants a seed " + brief(1e3 * depth) +
                          " mm behind the skin, within its first cut, which goes " +
                          brief(1e3 * path) +
