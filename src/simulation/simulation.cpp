@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace stylet {
 
@@ -30,7 +31,7 @@ constexpr double wanted_quality = 0.2;
 constexpr double quality_floor = 0.02;
 
 Multiplier multiplier(const Trial& trial) {
-  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda, trial.means};
+  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda};
 }
 
 double estimated_time(const Scene& scene, const Mesh& mesh) {
@@ -170,16 +171,19 @@ StepRecord Simulation::step_unguarded() {
   const Needle* needle = this->needle();
   const std::size_t action = done_ ? 0 : motion().index();
   const double wanted = scene_.time.step;
+  const bool is_implicit = scene_.time.method == TimeMethod::implicit_newmark;
   double longest = std::min(wanted, integrator_->stable_step());
   // Sub-steps need not fill the step exactly: the nearest whole number of them does.
   while (!done_ && needle == this->needle() && motion().index() == action &&
          record.h + 0.5 * longest < wanted) {
-    longest = std::min(wanted, integrator_->stable_step());
     record.h += sub_step(longest, record);
     ++record.sub_steps;
     counts_.peak_needle_force =
         std::max(counts_.peak_needle_force, std::abs(record.needle.forces.total()));
     if (motion().finished()) break;
+    const double next = std::min(wanted, integrator_->stable_step());
+    if (is_implicit && next > longest) motion().choose_step_anew();
+    longest = next;
   }
   act_without_time();
   if (done_ || needle != this->needle() || motion().index() != action || state_.t >= next_strain_) {
@@ -340,10 +344,12 @@ ConstraintSet Simulation::needle_constraints(const Needle* active) const {
 
 double Simulation::sub_step(double longest, StepRecord& record) {
   NeedleStep step = motion().next(longest);
-  const bool load_changes = conditions_.load_changes(state_.t, state_.t + step.h);
+  bool load_changes = false;
   const auto begin = [&] {
     const double t1 = state_.t + step.h;
-    if (load_changes) update_load(t1);
+    // Also back, where a shorter step ends before the change.
+    const bool changed = std::exchange(load_changes, conditions_.load_changes(state_.t, t1));
+    if (changed || load_changes) update_load(t1);
     if (!scene_.prescribed.empty()) base_ = conditions_.prescribed(t1);
     integrator_->begin(state_, load_.get(), step.h, base_);
   };
@@ -359,17 +365,22 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   const std::size_t action = motion().index();
 
   begin();
+  const auto shorten_if_needed = [&] {
+    constexpr double round_off = 1e-6;  // of equal steps to the end of an action
+    const double longest_now = integrator_->stable_step();
+    if (step.h <= (1 + round_off) * longest_now) return false;
+    step = motion().next(longest_now);
+    if (active != nullptr) active->shorten_step(step);
+    begin();
+    return true;
+  };
   NeedleStepReport report;
   Trial trial;
   std::vector<int> shaft;
   for (int pass = 0;; ++pass) {
     const bool edited = active != nullptr && edit_for_needle();
     // The elements that the edit left bound the very step that it belongs to.
-    if (const double stable = integrator_->stable_step(); edited && stable < step.h) {
-      step = motion().next(stable);
-      active->shorten_step(step);
-      begin();
-    }
+    if (edited) shorten_if_needed();
     if (active != nullptr) {
       shaft = active->loaded_nodes(mesh());
       integrator_->watch(shaft);
@@ -379,8 +390,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     trial = integrator_->attempt(set, edited);
     ++record.passes;
     record.iterations += trial.iterations;
-    if (active == nullptr ||
-        active->review(mesh(), trial_view(shaft, trial, step.h), multiplier(trial)))
+    if (shorten_if_needed()) continue;  // motion begins: it is tried anew
+    if (active == nullptr || active->review(mesh(), trial_view(shaft, trial), multiplier(trial)))
       break;
     if (pass == most_passes) {
       throw NumericalError("the contact of needle '" + active->parameters().name +
@@ -391,8 +402,8 @@ double Simulation::sub_step(double longest, StepRecord& record) {
   trial = integrator_->finish(active == nullptr || conditions_.has_load() ||
                               !scene_.prescribed.empty() || ends_settled);
   if (active != nullptr) {
-    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial, step.h),
-                            multiplier(trial), ledger_.end_weight(trial));
+    report = active->commit(mesh(), start_view(shaft), trial_view(shaft, trial), multiplier(trial),
+                            ledger_.end_weight(trial));
   }
   accept(trial, step.h, report);
   largest_tip_force_ = std::max(largest_tip_force_, report.forces.tip);
@@ -547,17 +558,14 @@ NeedleView Simulation::start_view(std::span<const int> nodes) const {
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(states)};
 }
 
-TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial, double h) const {
-  const Vec vectors[6] = {
-      trial.u,       trial.v, trial.needed.reaction, trial.working.reaction, trial.settled.reaction,
-      state_.u.get()};
+TrialView Simulation::trial_view(std::span<const int> nodes, const Trial& trial) const {
+  const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
+                          trial.settled.reaction};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
-    // A mean of forces goes with the mean velocity: by another one contacts could contradict each other.
-    const Vector2 v = trial.means ? (1 / h) * (of(0) - of(5)) : of(1);
-    trials.push_back({of(0), v, of(2), of(3), of(4)});
+    trials.push_back({of(0), of(1), of(2), of(3), of(4)});
   }
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Random valid scenes: is each number right, within what the program says of it?
 
-usage: random_scenes.py PROGRAM [--seeds 1-300] [--output FOLDER] [--quick] [--write SEED]
+usage: random_scenes.py PROGRAM [--seeds 1-300] [-j N] [--output FOLDER] [--quick] [--write SEED]
 
 Runs the scene of each seed (scene_generator.py) and, where that ends with exit 0, the same scene at
 half the step, on a mesh one finer and with another cutting law. A placement error that differs by
@@ -15,6 +15,7 @@ number is wrong or an end is not allowed.
 """
 import argparse
 import collections
+import concurrent.futures
 import copy
 import csv
 import json
@@ -32,7 +33,7 @@ ALLOWED_SHARE, ALLOWED_LENGTH = 0.20, 1e-3  # both have to be exceeded
 # Never entered; the dent of the skin grows on finer meshes; the search passes the first root; late
 # by a step after a membrane and without; seeds and punctures; two needles on one track.
 QUICK = [3, 5, 22, 24, 35, 39, 44, 64, 66, 70]
-LIMIT = 60  # s a run; a bound of this tool, no judgement of the program
+LIMIT = 300  # s a run; a bound of this tool, no judgement of the program
 TOUCHED = 1e-6  # m; a tip that is not deeper in the reference tissue has not cut
 # What a note has to speak of to be a warning of this difference. Generic ones are none.
 GENERIC = re.compile(r"numerical error unknown|deformed elements")
@@ -312,6 +313,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("program", nargs="?", default="build/stylet")
     parser.add_argument("--seeds", type=seeds_of, metavar="A-B,C")
+    parser.add_argument("-j", "--jobs", type=int, default=1, metavar="N", help="runs at a time")
     parser.add_argument("--output", type=pathlib.Path)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--write", type=int, metavar="SEED", help="print this scene and end")
@@ -324,8 +326,10 @@ def main():
     results = []
     with tempfile.TemporaryDirectory() as name:
         folder = given.output or pathlib.Path(name)
-        for seed in seeds:
-            results.append(judge(given.program, seed, folder / str(seed)))
+        pool = concurrent.futures.ThreadPoolExecutor(given.jobs)
+        judged = pool.map(lambda seed: judge(given.program, seed, folder / str(seed)), seeds)
+        for seed, result in zip(seeds, judged):
+            results.append(result)
             bad = "; ".join(f"{e['what']} {e['value']}" for e in results[-1]["wrong"])
             print(f"{seed}: exit {results[-1]['code']} {bad}", file=sys.stderr, flush=True)
         (folder / "results.json").write_text(json.dumps(results, indent=1) + "\n")

@@ -36,6 +36,8 @@ class Motion {
   [[nodiscard]] NeedleStep next(double longest);
   /// The step was taken; actions with an end of their own end here.
   void commit(const NeedleStep& step);
+  /// A step that was shorter than allowed for once does not shorten those that follow.
+  void choose_step_anew() { h_ = 0; }
   /// Ends the present action (an implant; a settled tissue; a withdrawn needle).
   void finish_action();
 

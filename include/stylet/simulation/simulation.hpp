@@ -121,9 +121,7 @@ class Simulation {
   bool edit_for_needle();
   void apply(const NeedleEdits& edits, bool repair);
   [[nodiscard]] NeedleView start_view(std::span<const int> nodes) const;
-  [[nodiscard]] TrialView trial_view(std::span<const int> nodes,
-                                     const Trial& trial,
-                                     double h) const;
+  [[nodiscard]] TrialView trial_view(std::span<const int> nodes, const Trial& trial) const;
   [[nodiscard]] ConstraintSet needle_constraints(const Needle* active) const;
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
