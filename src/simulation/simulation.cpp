@@ -178,8 +178,6 @@ StepRecord Simulation::step_unguarded() {
          record.h + 0.5 * longest < wanted) {
     record.h += sub_step(longest, record);
     ++record.sub_steps;
-    counts_.peak_needle_force =
-        std::max(counts_.peak_needle_force, std::abs(record.needle.forces.total()));
     if (motion().finished()) break;
     const double next = std::min(wanted, integrator_->stable_step());
     if (is_implicit && next > longest) motion().choose_step_anew();
@@ -262,6 +260,7 @@ void Simulation::enter_next_needle() {
   std::ranges::sort(nodes);
   apply(needle_->enter(mesh(), entry, start_view(nodes)), true);
   largest_tip_force_ = 0;
+  last_friction_ = 0;
   // The skin may have moved since the scene was checked.
   const double skin = needle_->motion().skin();
   if (const auto fault = find_fault(parameters.motion, Axis::along_sign, skin, true)) {
@@ -374,6 +373,7 @@ double Simulation::sub_step(double longest, StepRecord& record) {
     begin();
     return true;
   };
+  const int punctures = active == nullptr ? 0 : active->counts().punctures;
   NeedleStepReport report;
   Trial trial;
   std::vector<int> shaft;
@@ -406,7 +406,7 @@ double Simulation::sub_step(double longest, StepRecord& record) {
                             ledger_.end_weight(trial));
   }
   accept(trial, step.h, report);
-  largest_tip_force_ = std::max(largest_tip_force_, report.forces.tip);
+  if (active != nullptr) watch_forces(report.forces, active->counts().punctures > punctures);
   if (active != nullptr) {
     count_deformed_inversions();
     counts_.needle = earlier_needles_;
@@ -476,6 +476,19 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
     ledger_.weigh(*strain);
   } else if (ledger_.due()) {
     ledger_.weigh(*tissue_, state_);
+  }
+}
+
+void Simulation::watch_forces(const NeedleForces& forces, bool punctured) {
+  largest_tip_force_ = std::max(largest_tip_force_, forces.tip);
+  double peak = std::abs(forces.total());
+  // What broke within the step bore its force there, and the tip has fallen back since.
+  if (punctured) peak = std::max(peak, std::abs(scene_.membrane->puncture_force + last_friction_));
+  counts_.peak_needle_force = std::max(counts_.peak_needle_force, peak);
+  last_friction_ = forces.friction;
+  if (needle_->parameters().cutting.law == CuttingLaw::increment && !punctured) {
+    const double excess = forces.tip - needle_->force_to_cut(mesh());
+    counts_.tip_excess = std::max(counts_.tip_excess, excess);
   }
 }
 

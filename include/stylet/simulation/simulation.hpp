@@ -50,6 +50,7 @@ struct RunCounts {
   double worst_quality = 1;      ///< of any element of the reference mesh at any time
   double stable_step = 0;        ///< s; the smallest of the run; explicit only
   double peak_needle_force = 0;  ///< N
+  double tip_excess = 0;  ///< most that a tip of the increment law bore above what it cuts at (N)
   NeedleCounts needle;
 };
 
@@ -126,6 +127,7 @@ class Simulation {
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
   void accept(const Trial& trial, double h, const NeedleStepReport& report);
+  void watch_forces(const NeedleForces& forces, bool punctured);
   void count_deformed_inversions();
   void end_open_action(double t0);
 
@@ -152,6 +154,7 @@ class Simulation {
   RunCounts counts_;
   NeedleCounts earlier_needles_;
   double largest_tip_force_ = 0;  ///< of the present needle, at the end of a step (N)
+  double last_friction_ = 0;      ///< of it (N)
   double estimated_time_ = 0;
   double next_strain_ = 0;  ///< time of the next look at all strains (s)
   LargestStrain largest_strain_;
