@@ -322,7 +322,8 @@ void Reader::read_section(std::string_view section) {
     in_.fail("expected $MeshFormat, found " + cut_short(section, 40));
   }
   if (section == "$PhysicalNames") return read_names();
-  if (section == "$Entities") return read_entities();
+  // Format 2 has them too (Mesh.SaveTopology), in another form, and names groups at its elements.
+  if (section == "$Entities" && format_ != Format::two) return read_entities();
   if (section == "$Nodes") return read_nodes();
   if (section == "$Elements") return read_elements();
   if (section == "$PartitionedEntities") {

@@ -4,6 +4,11 @@
 
 namespace stylet {
 
+std::string number_in_file(const std::vector<std::int64_t>& numbers, int i) {
+  const std::int64_t counted = std::int64_t{i} + 1;
+  return std::to_string(numbers.empty() ? counted : numbers[at(i)]);
+}
+
 void MeshData::make_stray(const std::map<int, std::string>& fault_of_curve) {
   if (fault_of_curve.empty()) return;
   std::vector<int> new_curve(curve_names.size(), -1);

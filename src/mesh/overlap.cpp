@@ -65,9 +65,15 @@ class Sheet {
     return text;
   }
   [[nodiscard]] std::string at(int n) const { return at(point(n)); }
+  [[nodiscard]] std::string node_number(int n) const {
+    return number_in_file(mesh_.origin.node_number, n);
+  }
+  [[nodiscard]] std::string cell_number(int c) const {
+    return number_in_file(mesh_.origin.cell_number, c);
+  }
   [[nodiscard]] std::string shown(const Edge& e) const {
-    return "from node " + std::to_string(e[0] + 1) + " at " + at(e[0]) + " to node " +
-           std::to_string(e[1] + 1) + " at " + at(e[1]);
+    return "from node " + node_number(e[0]) + " at " + at(e[0]) + " to node " + node_number(e[1]) +
+           " at " + at(e[1]);
   }
 
   void check_doubled_nodes() const {
@@ -93,8 +99,7 @@ class Sheet {
 
   [[noreturn]] void fail_doubled(int i, int j) const {
     const auto [a, b] = std::minmax(i, j);
-    fail("nodes " + std::to_string(a + 1) + " and " + std::to_string(b + 1) +
-         " are at the same place, " + at(a) +
+    fail("nodes " + node_number(a) + " and " + node_number(b) + " are at the same place, " + at(a) +
          ": triangles on the two sides are not joined there; allowed: one node a place (merge "
          "doubled interfaces in the mesher)");
   }
@@ -111,9 +116,8 @@ class Sheet {
         double& angle = turned[static_cast<std::size_t>(n)];
         angle += std::atan2(cross(e, f), dot(e, f));
         if (angle > 2 * std::numbers::pi + round_off) {
-          fail("triangles overlap at node " + std::to_string(n + 1) + " at " + at(n) +
-               ": they turn around it more than once; one of them is triangle " +
-               std::to_string(c + 1));
+          fail("triangles overlap at node " + node_number(n) + " at " + at(n) +
+               ": they turn around it more than once; one of them is triangle " + cell_number(c));
         }
       }
     }
@@ -214,7 +218,7 @@ class Sheet {
     const Vector2 to = point(n) - a;
     const double share = dot(to, along) / dot(along, along);
     if (share <= 0 || share >= 1 || std::abs(cross(along, to)) > touch_ * norm(along)) return;
-    fail("node " + std::to_string(n + 1) + " at " + at(n) + " lies on an outer edge, " + shown(e) +
+    fail("node " + node_number(n) + " at " + at(n) + " lies on an outer edge, " + shown(e) +
          ": triangles on the two sides are not joined there; allowed: edges that share both nodes");
   }
 
@@ -234,13 +238,12 @@ class Sheet {
       if (root(c) == first) continue;
       for (int k = 0; k < 3; ++k) {
         if (of_first[static_cast<std::size_t>(node(c, k))] == 0) continue;
-        fail("parts of the mesh hang together at a single node only, " +
-             std::to_string(node(c, k) + 1) + " at " + at(node(c, k)) +
-             "; allowed: parts joined along edges");
+        fail("parts of the mesh hang together at a single node only, " + node_number(node(c, k)) +
+             " at " + at(node(c, k)) + "; allowed: parts joined along edges");
       }
     }
-    fail("the mesh is in parts that share no node: one has triangle 1 at " + at(node(0, 0)) +
-         ", another triangle " + std::to_string(other + 1) + " at " + at(node(other, 0)) +
+    fail("the mesh is in parts that share no node: one has triangle " + cell_number(0) + " at " +
+         at(node(0, 0)) + ", another triangle " + cell_number(other) + " at " + at(node(other, 0)) +
          "; allowed: one part, joined along edges");
   }
 

@@ -30,13 +30,8 @@ class Validator {
   void check_sides();
 
  private:
-  /// A number of the file; without an origin, counted from 1.
-  [[nodiscard]] static std::string number_of(const std::vector<std::int64_t>& numbers, int i) {
-    const std::int64_t counted = std::int64_t{i} + 1;
-    return std::to_string(numbers.empty() ? counted : numbers[i]);
-  }
   [[nodiscard]] std::string node_number(int node) const {
-    return number_of(mesh_.origin.node_number, node);
+    return number_in_file(mesh_.origin.node_number, node);
   }
   [[nodiscard]] std::string describe(int cell) const;
   [[nodiscard]] std::string describe_facet(int facet) const;
@@ -67,7 +62,7 @@ class Validator {
 
 std::string Validator::describe(int cell) const {
   std::string text = mesh_.dim == 2 ? "triangle " : "tetrahedron ";
-  text += number_of(mesh_.origin.cell_number, cell) + " (nodes ";
+  text += number_in_file(mesh_.origin.cell_number, cell) + " (nodes ";
   for (int k = 0; k < n_corners_; ++k) text += (k > 0 ? ", " : "") + node_number(node(cell, k));
   text += "; first at (";
   for (int k = 0; k < mesh_.dim; ++k) text += (k > 0 ? ", " : "") + exact(x(node(cell, 0), k));
@@ -75,7 +70,7 @@ std::string Validator::describe(int cell) const {
 }
 
 std::string Validator::describe_facet(int facet) const {
-  std::string text = "facet " + number_of(mesh_.origin.facet_number, facet) + " of '" +
+  std::string text = "facet " + number_in_file(mesh_.origin.facet_number, facet) + " of '" +
                      mesh_.curve_names[mesh_.facet_curve[facet]] + "' (nodes ";
   for (int k = 0; k < mesh_.dim; ++k) {
     text += (k > 0 ? ", " : "") + node_number(mesh_.facets[mesh_.dim * facet + k]);

@@ -20,7 +20,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view own_prefix = ".stylet";  // of marks, locks and drafts
+/// Of a file that is being made, or room kept for one.
+bool is_draft(const std::string& name) {
+  return name == ".stylet.reserve" || (name.starts_with(".stylet.") && name.ends_with(".tmp"));
+}
 
 constexpr const char* parts = "parts";
 
@@ -29,7 +32,9 @@ std::vector<std::string> entries_of(const fs::path& folder) {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const auto name = entry.path().filename().string();
-    if (!name.starts_with(own_prefix)) names.push_back(name);
+    const bool is_own =
+        name == Manifest::file_name || name == FolderLock::file_name || is_draft(name);
+    if (!is_own) names.push_back(name);
   }
   std::ranges::sort(names);
   return names;
@@ -45,8 +50,12 @@ void create(const std::string& path) {
 
 /// Before anything is written to it, the lock included.
 void require_ours_or_empty(const std::string& path) {
-  const auto entries = entries_of(path);
-  if (entries.empty() || Manifest(path).exists()) return;
+  if (Manifest(path).exists()) return;
+  auto entries = entries_of(path);
+  if (fs::exists(fs::symlink_status(path + "/" + Manifest::file_name))) {
+    entries.emplace_back(Manifest::file_name);
+  }
+  if (entries.empty()) return;
   throw InputError(path +
                    ": the output folder is not empty and was not made by this program: it "
                    "holds '" +
@@ -55,13 +64,11 @@ void require_ours_or_empty(const std::string& path) {
                    "--output");
 }
 
+/// Of runs that were killed.
 void remove_drafts(const fs::path& folder) {
   std::vector<fs::path> drafts;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.path().filename().string().starts_with(".stylet.") &&
-        entry.path().extension() != ".lock") {
-      drafts.push_back(entry.path());
-    }
+    if (is_draft(entry.path().filename().string())) drafts.push_back(entry.path());
   }
   for (const auto& draft : drafts) fs::remove(draft);
 }

@@ -69,7 +69,7 @@ Holder read_holder(int descriptor) {
 }  // namespace
 
 FolderLock::FolderLock(const std::string& folder)
-    : folder_(folder), path_(folder + "/.stylet.lock") {
+    : folder_(folder), path_(folder + "/" + file_name) {
   while (!take()) ::close(descriptor_);
 }
 

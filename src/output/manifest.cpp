@@ -27,6 +27,13 @@ bool is_numbered(std::string name) {
   return digits - name.begin() >= 4 && (end == ".yaml" || end == ".cbor" || end == ".png");
 }
 
+/// summary.json, scenes/, scenes/00012.yaml: nothing that leads out of the folder.
+bool is_inside(const std::string& name) {
+  const auto slash = name.find('/');
+  if (name.empty() || name.starts_with(".") || slash == 0) return false;
+  return slash >= name.size() - 1 || is_numbered(name.substr(slash + 1));
+}
+
 bool is_file(const std::string& path) {
   return fs::is_regular_file(fs::symlink_status(path));
 }
@@ -80,7 +87,8 @@ Manifest::Manifest(std::string folder) : folder_(std::move(folder)) {
     std::string name;
     std::string seal;
     words >> state >> name >> seal;
-    if (state == "open" || (state == "sealed" && !seal.empty())) entries_[name] = seal;
+    const bool is_entry = state == "open" || (state == "sealed" && !seal.empty());
+    if (is_entry && is_inside(name)) entries_[name] = seal;
   }
 }
 

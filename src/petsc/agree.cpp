@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 
@@ -59,6 +60,17 @@ std::string read_file(const std::string& path) {
   };
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) fail(errno);
+  struct stat status {};
+  const bool is_known = ::fstat(descriptor, &status) == 0;
+  const auto refuse = [&](const char* why) {
+    ::close(descriptor);
+    throw InputError(path + ": cannot be read: " + why);
+  };
+  // /dev/zero has no end.
+  const bool is_device = is_known && (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode));
+  if (is_device && ::isatty(descriptor) == 0) refuse("is a device");
+  constexpr std::size_t most_of_pipe = 1 << 30;  // bytes
+  const bool is_file = is_known && S_ISREG(status.st_mode);
   std::string text;
   std::vector<char> piece(1 << 20);
   while (true) {
@@ -71,6 +83,7 @@ std::string read_file(const std::string& path) {
       return text;
     }
     text.append(piece.data(), static_cast<std::size_t>(n));
+    if (!is_file && text.size() > most_of_pipe) refuse("is no file, and has over 1 GiB");
   }
 }
 

@@ -26,15 +26,16 @@ void check(PetscErrorCode code, const char* file, int line) {
   const char* text = nullptr;
   char* specific = nullptr;
   (void)PetscErrorMessage(code, &text, &specific);
-  // Where memory runs out PETSc 3.18 returns the line of its source in place of PETSC_ERR_MEM; no other
-  // code is without a text.
-  if (code == PETSC_ERR_MEM || text == nullptr) throw std::bad_alloc();
-  std::string message = "PETSc: ";
-  message += text;
+  // Where memory runs out PETSc 3.18 returns the line of its source in place of PETSC_ERR_MEM.
+  const bool is_code = code > PETSC_ERR_MIN_VALUE && code < PETSC_ERR_MAX_VALUE;
+  if (code == PETSC_ERR_MEM || !is_code) throw std::bad_alloc();
+  std::string message = "PETSc";
+  if (text != nullptr) message += std::string(": ") + text;  // PETSC_ERR_USER has none
   if (specific != nullptr && *specific != '\0') message += std::string(": ") + specific;
   message += std::string(" (") + file + ":" + std::to_string(line) + ")";
-  // A name behind -ksp_type or -pc_type that PETSc does not have.
-  const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE;
+  // Options: a name behind -ksp_type or -pc_type that PETSc does not have, values that do not fit.
+  const bool is_input =
+      code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_USER || code == PETSC_ERR_USER_INPUT;
   throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
 }
 

@@ -1,5 +1,7 @@
 #include "stylet/scene/quantities.hpp"
 
+#include "stylet/base/text.hpp"
+
 #include <algorithm>
 #include <charconv>
 
@@ -96,10 +98,10 @@ std::vector<SummaryQuantity> summary_quantities(const Scene& scene) {
     }
   }
   for (const Probe& probe : scene.probes) {
-    add("probes." + probe.name + ".", {{"0", "m"}, {"1", "m"}});
+    add(below("probes", probe.name) + ".", {{"0", "m"}, {"1", "m"}});
   }
   for (const PrescribedCurve& prescribed : scene.prescribed) {
-    add("reactions." + prescribed.curve + ".", {{"0", "N"}, {"1", "N"}});
+    add(below("reactions", prescribed.curve) + ".", {{"0", "N"}, {"1", "N"}});
   }
   return quantities;
 }

@@ -92,7 +92,8 @@ void check_curve(const Scene& scene,
                  std::size_t needle,
                  const NeedlePath& path,
                  const std::string& curve,
-                 const std::string& condition) {
+                 const std::string& condition,
+                 bool may_be_entered = false) {
   const double height = scene.needles[needle].height;
   const auto& data = mesh.data();
   for (const int f : mesh.facets_of(curve)) {
@@ -109,12 +110,13 @@ void check_curve(const Scene& scene,
     const double depth = along - path.skin;
     const double round_off = 1e-9 * path.end;
     if (depth < -round_off || depth > path.deepest + round_off) continue;
+    if (may_be_entered && depth <= round_off) continue;
     const ReferencePoint x = Axis{height}.at<ReferenceFrame>(along);
     refuse_key(scene, needle_key(needle) + ".height",
                "needle '" + scene.needles[needle].name + "' " +
                    (depth <= round_off ? "enters" : "leads") + " through curve '" + curve +
                    "' at " + point_text(scene, x) + ", which is " + condition +
-                   "; allowed: skin and tissue that are free to move");
+                   "; allowed: a way that meets no such curve");
   }
 }
 
@@ -132,6 +134,11 @@ void check_curves(const Scene& scene,
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
     check_curve(scene, mesh, needle, path, scene.prescribed[i].curve,
                 "moved (prescribed." + std::to_string(i) + ")");
+  }
+  // The mesh has to keep a loaded curve as it is, so that no needle gets through one.
+  for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
+    check_curve(scene, mesh, needle, path, scene.tractions[i].curve,
+                "loaded (loads.traction." + std::to_string(i) + ")", true);
   }
   // The node that slides to the axis takes its conditions along.
   const auto held = conditions.prescribed(0);
@@ -226,6 +233,14 @@ void check_needles(const Scene& scene, const Mesh& mesh, const Conditions& condi
                      point_text(scene, path.entry.x) + ": " + fault->reason);
     }
     check_way(scene, mesh, i, path);
+    // The cutting force acts in full once all of the tip is in.
+    if (scene.needles[i].cutting.tip_length > path.end) {
+      refuse_key(scene, needle_key(i) + ".cutting.tip_length",
+                 brief(scene.needles[i].cutting.tip_length) +
+                     " m is longer than the way of needle '" + scene.needles[i].name +
+                     "' through the tissue, " + brief(path.end) +
+                     " m; allowed: a tip that can be in with all of its length");
+    }
     check_curves(scene, mesh, conditions, i, path);
   }
 }

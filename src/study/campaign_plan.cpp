@@ -132,13 +132,13 @@ class Planner {
   }
 
   [[nodiscard]] std::string unit_of(const Variable& v) const {
-    const auto quantity = split_quantity(v.from.empty() ? v.values.front() : v.from);
-    if (quantity) return quantity->unit;
-    if (!v.from.empty() || !v.factor_of.empty() || !v.offset_of.empty()) {
-      refuse_variable(v.name, "'" + (v.from.empty() ? v.values.front() : v.from) +
-                                  "' does not start with a number");
-    }
-    return {};
+    const std::string& first = v.from.empty() ? v.values.front() : v.from;
+    const bool may_be_text = v.from.empty() && v.factor_of.empty() && v.offset_of.empty();
+    const auto quantity = split_quantity(first);
+    if (!quantity && may_be_text) return {};
+    if (!quantity) refuse_variable(v.name, "'" + first + "' does not start with a number");
+    if (may_be_text && !read_quantity(first, quantity->unit).fault.empty()) return {};  // '2.msh'
+    return quantity->unit;
   }
 
   /// Of the range, in the unit of the variable; nothing of one with values.

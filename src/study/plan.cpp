@@ -352,10 +352,11 @@ void check_options(const Scene& scene, const PlanOptions& options) {
     throw InputError(scene.file + ": key 'needles': a plan is for seeds at rest, but " + why);
   }
   if (options.depth_range <= 0 || options.height_range < 0 || options.tolerance <= 0 ||
+      options.most_runs < 1 ||
       (options.speeds &&
        !(0 < (*options.speeds)[0] && (*options.speeds)[0] < (*options.speeds)[1]))) {
     throw InputError(
-        "plan: allowed: --depth-range and --tolerance above 0, --height-range 0 or "
+        "plan: allowed: --depth-range, --tolerance and --most-runs above 0, --height-range 0 or "
         "above, --speed-range of a lower and a higher speed");
   }
 }

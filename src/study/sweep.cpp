@@ -45,6 +45,7 @@ class Sweep {
     Node document = parse_yaml(scene_file_, scene_text_);
     for (const auto& change : campaign.set) apply_override(document, scene_file_, change);
     plan_ = plan_runs(campaign, document);
+    check_columns();
     check_outputs(scene_of(0));  // a wrong key or output strikes all runs
     meshes_ = mesh_files(comm, scenes_by_mesh());
   }
@@ -134,6 +135,16 @@ class Sweep {
       scenes.push_back(load_scene(scene_file_, scene_text_, changes));
     }
     return scenes;
+  }
+
+  /// Who reads results.csv goes by its titles.
+  void check_columns() const {
+    std::set<std::string> titles;
+    for (const auto& title : columns()) {
+      if (titles.insert(title).second) continue;
+      throw InputError(campaign_.file + ": results.csv would have two columns '" + title +
+                       "'; allowed: each output once, and variables and windows of other names");
+    }
   }
 
   void check_outputs(const Scene& scene) const {
@@ -310,11 +321,13 @@ class Sweep {
     return rows;
   }
 
-  /// In the unit of the column; a text that is no number stays.
+  /// In the unit of the column; a text that is no such number stays.
   static std::string number_of(const std::string& text, const std::string& unit) {
     const auto quantity = split_quantity(text);
-    if (!quantity) return text;
-    return exact(quantity->unit == unit ? quantity->number : to_si(text, unit));
+    if (quantity && quantity->unit == unit) return exact(quantity->number);
+    if (!quantity || unit.empty()) return text;
+    const Reading reading = read_quantity(text, unit);
+    return reading.fault.empty() ? exact(reading.value) : text;
   }
 
   void print(const SweepOutcome& outcome, int n_groups) const {

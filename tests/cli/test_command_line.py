@@ -87,6 +87,11 @@ class CommandLine(CliTest):
         outcome = self.stylet("run", "block.yaml", "--", "-ksp_type", "nonsense")
         self.assert_refused(outcome, "nonsense")
 
+    def test_solvers_that_cannot_work_together(self):
+        # PETSC_ERR_USER is an error without a text of its own, as is a lack of memory.
+        outcome = self.stylet("run", "scene.yaml", "--", "-ksp_type", "preonly", "-pc_type", "jacobi")
+        self.assert_refused(outcome, "PETSc", "nonzero initial guess")
+
 
 if __name__ == "__main__":
     unittest.main()

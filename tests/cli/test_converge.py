@@ -139,6 +139,11 @@ class Studies(CliTest):
                             "needle1: the stop of motion.0 (--depth-range)")
         self.assertEqual(len(self.json("out/plan-scene/summary.json")["at_ends_of_ranges"]), 1)
 
+    def test_plan_needs_runs(self):
+        for runs in ("0", "-5"):  # PETSc would take a negative number for its default
+            outcome = self.stylet("plan", "scene.yaml", "--most-runs", runs)
+            self.assert_refused(outcome, "--most-runs above 0")
+
     def test_plan_of_seeds_that_do_not_come_to_rest_is_refused(self):
         self.write("in.yaml", COARSE.replace("  until: implanted\n", "")
                    .replace("      - retract: {speed: 2 cm/s}\n      - settle\n",

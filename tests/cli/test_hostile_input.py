@@ -40,6 +40,12 @@ class HostileInput(CliTest):
                    "vary: {h: {key: needles.0.height, values: [3 cm]}}\n")
         self.refuse(["sweep", "campaign.yaml"], f"scene.yaml:{line}:5:", "byte 0xF6 is not UTF-8")
 
+    def test_files_without_end(self):
+        self.refuse(["check", "/dev/zero"], "/dev/zero", "is a device")
+        self.write("scene.yaml", NEEDLE_SCENE)
+        self.refuse(["check", "scene.yaml", "--set", "mesh={file: /dev/zero}"], "/dev/zero",
+                    "is a device")
+
     def test_long_keys_and_aliases(self):
         items = "1," * 50_000
         for text in (f"? {'k' * 200_000}\n: [{items}]\n",

@@ -58,7 +58,7 @@ class Status(CliTest):
         return file.exists() and file.stat().st_size > least
 
     def test_signal_stops_a_run(self):
-        for sent in (signal.SIGTERM, signal.SIGINT):
+        for sent in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT, signal.SIGXCPU):
             name = f"by{int(sent)}"
             program = self.start(1, "run", "scene.yaml", "--output", name, *LONG)
             self.wait_for(program, lambda: self.grown(f"{name}/history.csv"))
@@ -68,7 +68,7 @@ class Status(CliTest):
             self.assertIn("stopped by signal", err)
             summary = self.summary(name)
             self.assertEqual(summary["status"], "stopped")
-            self.assertIn("signal " + ("TERM" if sent == signal.SIGTERM else "INT"), summary["error"])
+            self.assertIn("signal " + sent.name.removeprefix("SIG"), summary["error"])
             rows = self.assert_readable(name, 2)
             self.assertEqual(float(rows[-1][0]), summary["time"])
             self.assertEqual(len(rows) - 1, summary["steps"])

@@ -55,6 +55,37 @@ class Sweep(CliTest):
     def sweep(self, name, *arguments):
         return self.stylet("sweep", name, "--no-picture", *arguments)
 
+    def test_values_of_another_kind_stay_as_they_are(self):
+        self.write("campaign.yaml", """\
+scene: scene.yaml
+set: [time.until=implanted, output.snapshots=null, "time.step=50 ms"]
+design: grid
+vary:
+  ratio: {key: tissue.regions.gland.poisson_ratio, values: [0.3, 4 kPa]}
+  height: {key: needles.0.height, values: [32 mm, 3.2 cm, 32]}
+outputs: [seeds.0.placement_error]
+""")
+        self.assert_code(self.sweep("campaign.yaml"), DONE)
+        rows = self.rows("out/sweep-campaign")
+        self.assertEqual([row["ratio"] for row in rows], 3 * ["0.3"] + 3 * ["4 kPa"])
+        self.assertEqual([row["height [mm]"] for row in rows], 2 * ["32", "32", "32"])
+        self.assertEqual([row["status"] for row in rows],
+                         ["done", "done", "failed", "failed", "failed", "failed"])
+        self.assertIn("needs a unit", rows[2]["error"])
+        self.assertIn("'4 kPa'", rows[3]["error"])
+
+    def test_columns_have_names_of_their_own(self):
+        for change, column in ((("cutting_force:", "seeds.0.placement_error:"), None),
+                               (("friction:", "error:"), "error"),
+                               (("outputs: [", "outputs: [peak_needle_force, "),
+                                "peak_needle_force")):
+            self.write("campaign.yaml", CAMPAIGN.replace(*change))
+            outcome = self.sweep("campaign.yaml", "--force")
+            if column is None:  # its title has the unit
+                self.assert_code(outcome, DONE)
+            else:
+                self.assert_refused(outcome, "campaign.yaml", f"two columns '{column}'")
+
     def test_same_table_on_any_number_of_ranks_and_as_single_runs(self):
         outcome = self.sweep("campaign.yaml")
         self.assert_code(outcome, DONE)

@@ -5,6 +5,7 @@
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/recorder.hpp"
 
+#include "pierced.hpp"
 #include "support/scenes.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,39 +15,8 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
-
-const std::string pierced = R"(
-mesh:
-  rectangle:
-    size: [6 cm, 4 cm]
-    columns: 12
-    rows: 8
-    curves: [{name: wall, points: [[3 cm, 1 cm], [3 cm, 3 cm]]}]
-tissue:
-  plane: stress
-  regions: {tissue: {youngs_modulus: 30 kPa, poisson_ratio: 0.4, density: 1000 kg/m^3}}
-  damping: {stiffness_factor: 0.05 s}
-supports: {left: fixed, top: fixed, bottom: fixed}
-needles:
-  - height: 2.2 cm
-    cutting: {cutting_force: 0.6 N, tip_length: 5 mm}
-    motion: [insert: {speed: 4 cm/s, depth: 2.5 cm}, implant: {}, retract: {speed: 4 cm/s}, settle: {}]
-targets: {seed: [3.4 cm, 2.2 cm]}
-time: {step: 25 ms}
-)";
-
-const std::string stretched = R"(
-mesh: {rectangle: {size: [4 cm, 2 cm], columns: 4, rows: 2}}
-tissue:
-  plane: stress
-  regions: {tissue: {youngs_modulus: 20 kPa, poisson_ratio: 0.25, density: 1000 kg/m^3}}
-supports: {left: roller, bottom: roller}
-prescribed: [{curve: right, displacement: [4 mm, null]}]
-time: {method: quasi_static}
-)";
 
 template <class Error>
 std::string message_of(const std::string& yaml,
@@ -63,10 +33,6 @@ std::string message_of(const std::string& yaml,
 
 std::string refusal(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
   return message_of<InputError>(yaml, overrides);
-}
-
-std::string motion(const std::string& actions) {
-  return "needles.0.motion=[" + actions + "]";
 }
 
 TEST(NeedleWay, TheScenesThemselvesAreGood) {
@@ -106,6 +72,26 @@ TEST(NeedleWay, GoesInByInsertAndOutByRetract) {
 TEST(NeedleWay, StaysInTheTissue) {
   EXPECT_THAT(refusal(pierced, {motion("insert: {speed: 4 cm/s, depth: 7 cm}")}),
               AllOf(HasSubstr("leaves the tissue at (0, 0.022) m"), Not(HasSubstr("again"))));
+}
+
+TEST(NeedleWay, IsAsLongAsTheTip) {
+  EXPECT_EQ(refusal(pierced, {"needles.0.cutting.tip_length=4 cm"}), "no error");
+  EXPECT_THAT(refusal(pierced, {"needles.0.cutting.tip_length=5 m"}),
+              AllOf(HasSubstr("key 'needles.0.cutting.tip_length': 5 m is longer than the way"),
+                    HasSubstr("through the tissue, 0.06 m")));
+}
+
+TEST(NeedleWay, MeetsNoLoadedCurveInTheTissue) {
+  const std::vector<std::string> deep = {motion("insert: {speed: 4 cm/s, depth: 4 cm}")};
+  const auto loaded = [&](const std::string& curve) {
+    auto with = deep;
+    with.push_back("loads.traction=[{curve: " + curve + ", force: [1 N/m, 0 N/m]}]");
+    return refusal(pierced, with);
+  };
+  EXPECT_THAT(loaded("wall"),
+              AllOf(HasSubstr("leads through curve 'wall' at (0.03, 0.022) m, which is loaded"),
+                    HasSubstr("loads.traction.0")));
+  EXPECT_EQ(loaded("right"), "no error");  // the skin
 }
 
 TEST(NeedleWay, MeetsNoCurveThatIsHeldOrMoved) {
@@ -285,94 +271,6 @@ TEST(Quantities, AreThoseOfTheSummary) {
     EXPECT_THAT(numbers(summarise(MPI_COMM_WORLD, simulation, "completed", {})),
                 testing::UnorderedElementsAreArray(known));
   }
-}
-
-TEST(Notes, NameTheStrainWhereItIsLarge) {
-  // 4 mm on 4 cm: 10 % everywhere.
-  const auto peak_of = [](const std::string& displacement) {
-    Simulation simulation(MPI_COMM_WORLD,
-                          scene_of(stretched, {"prescribed.0.displacement.0=" + displacement}),
-                          false);
-    run_to_end(simulation);
-    return std::pair(simulation.largest_strain().anywhere.value, notes_of(simulation));
-  };
-  const auto [small, none] = peak_of("4 mm");
-  EXPECT_NEAR(small, 0.1, 1e-9);
-  EXPECT_THAT(none, IsEmpty());
-  const auto [large, one] = peak_of("20 mm");
-  EXPECT_NEAR(large, 0.5, 1e-9);
-  EXPECT_THAT(
-      one, testing::ElementsAre(AllOf(HasSubstr("strain exceeded 50 % on"), HasSubstr("at t = "))));
-}
-
-TEST(Notes, AreRare) {
-  Simulation reference(MPI_COMM_WORLD, reference_scene(), false);
-  run_to_end(reference);
-  EXPECT_THAT(notes_of(reference), IsEmpty());
-  // Elements at the tip are strained, and would be more so on a finer mesh.
-  EXPECT_GT(reference.largest_strain().anywhere.value, 0.3);
-  EXPECT_LT(reference.largest_strain().widespread.value, 0.3);
-  // Tissue that is as soft as jelly under the same needle.
-  Simulation soft(MPI_COMM_WORLD, scene_of(pierced, {"tissue.regions.tissue.youngs_modulus=4 kPa"}),
-                  false);
-  while (soft.seeds().empty()) {
-    try {
-      soft.step();
-    } catch (const NumericalError&) {
-      break;
-    }
-  }
-  EXPECT_THAT(notes_of(soft), testing::Contains(HasSubstr("away from the needle")));
-}
-
-TEST(Notes, SeedsThatAreNotAtRest) {
-  const auto notes = [](const std::string& end) {
-    Simulation simulation(
-        MPI_COMM_WORLD,
-        scene_of(pierced, {motion("insert: {speed: 4 cm/s, depth: 2.5 cm}, implant: {}" + end),
-                           "mesh.refine=1"}),
-        false);
-    run_to_end(simulation);
-    return notes_of(simulation);
-  };
-  EXPECT_THAT(notes(""), testing::Contains(HasSubstr("is still in")));
-  EXPECT_THAT(notes(", retract: {speed: 2 m/s}"), testing::Contains(HasSubstr("still moves")));
-  EXPECT_THAT(notes(", retract: {speed: 4 cm/s}, settle: {}"), IsEmpty());
-}
-
-// Notes of a run of the pierced tissue with these changes.
-std::vector<std::string> notes_with(const std::vector<std::string>& overrides) {
-  Simulation simulation(MPI_COMM_WORLD, scene_of(pierced, overrides), false);
-  run_to_end(simulation);
-  return notes_of(simulation);
-}
-
-TEST(Notes, SayHowLateALaggedCutIs) {
-  const std::string law = "needles.0.cutting.law=lagged";
-  // 2 cm/s in steps of 40 ms: 0.8 mm.
-  EXPECT_THAT(notes_with({law, "time.step=40 ms"}), testing::Contains(HasSubstr("mm late")));
-  EXPECT_THAT(notes_with({law, "time.step=1 ms"}), Not(testing::Contains(HasSubstr("mm late"))));
-  EXPECT_THAT(notes_with({"time.step=40 ms"}), Not(testing::Contains(HasSubstr("mm late"))));
-}
-
-TEST(Notes, SayWhatCoarseElementsAtTheTipCost) {
-  const auto coarse = testing::Contains(HasSubstr("elements at the tip were"));
-  EXPECT_THAT(notes_with({}), coarse);
-  EXPECT_THAT(notes_with({"mesh.refine=2"}), Not(coarse));
-}
-
-TEST(Notes, PlainTrianglesLock) {
-  const auto notes = [](const std::string& nu, const std::string& formulation) {
-    const Simulation simulation(
-        MPI_COMM_WORLD,
-        scene_of(stretched, {"tissue.plane=strain", "tissue.regions.tissue.poisson_ratio=" + nu,
-                             "tissue.formulation=" + formulation}),
-        false);
-    return notes_of(simulation);
-  };
-  EXPECT_THAT(notes("0.46", "p1"), testing::ElementsAre(HasSubstr("locks in plane strain")));
-  EXPECT_THAT(notes("0.45", "p1"), IsEmpty());
-  EXPECT_THAT(notes("0.49", "p1_averaged"), IsEmpty());
 }
 
 }  // namespace

@@ -330,6 +330,9 @@ def scene_of(seed):
                                  element))
         needles.append({"name": f"n{i + 1}", "height": length(paths[-1].height),
                         "cutting": dict(cutting)})
+        if "tip_length" in cutting:  # longer than its way, a tip is refused
+            tip = min(1e-3 * float(cutting["tip_length"].split()[0]), 0.99 * paths[-1].through)
+            needles[-1]["cutting"]["tip_length"] = length(tip)
         if i > 0 and draw.chance(0.4):
             needles[-1]["cutting"]["cutting_force"] = force(draw.uniform(0.7, 1.3) * cutting_force)
         if friction:

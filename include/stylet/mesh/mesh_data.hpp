@@ -20,6 +20,9 @@ struct MeshOrigin {
   std::vector<std::int64_t> node_number;
 };
 
+/// The i-th of these; counted from 1 where there is no file.
+[[nodiscard]] std::string number_in_file(const std::vector<std::int64_t>& numbers, int i);
+
 /// A named curve that does not run along cells: refused where a scene uses it.
 struct StrayCurve {
   std::string name;

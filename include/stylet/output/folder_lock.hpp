@@ -18,6 +18,8 @@ class FolderLock {
 
   [[nodiscard]] const std::string& path() const { return path_; }
 
+  static constexpr const char* file_name = ".stylet.lock";
+
  private:
   /// False if another process removed the file meanwhile.
   bool take();

@@ -152,6 +152,15 @@ TEST(GmshFormats, MessagesGiveTheByte) {
               ThrowsMessage<InputError>("m:2: numbers of 4 bytes in a binary file; allowed: 8"));
 }
 
+TEST(GmshFormats, Format2WithTopology) {
+  // As gmsh -format msh22 -setnumber Mesh.SaveTopology 1 writes it.
+  std::string text = format_2(How::ascii);
+  const std::string topology =
+      "$Entities\n2 1 1 0\n1 0 \n2 0 \n1 2 1 2 1 1 \n1 1 1 0\n$EndEntities\n";
+  text.insert(text.find("$Nodes"), topology);
+  expect_equal(read_gmsh("m", text), read_gmsh("m", format_2(How::ascii)));
+}
+
 TEST(GmshFormats, Format40) {
   const std::string text = R"($MeshFormat
 4 0 8

@@ -84,6 +84,22 @@ TEST(Overlap, DoubledInterfaces) {
   EXPECT_THAT(message_of(shifted), HasSubstr("lies on an outer edge"));
 }
 
+TEST(Overlap, MessagesHaveTheNumbersOfTheFile) {
+  const auto numbered = [](MeshData mesh) {
+    for (int i = 0; i < mesh.n_nodes(); ++i) mesh.origin.node_number.push_back(1000 + 10 * i);
+    for (int i = 0; i < mesh.n_cells(); ++i) mesh.origin.cell_number.push_back(500 + i);
+    return message_of(mesh);
+  };
+  EXPECT_THAT(numbered(squares(1)), HasSubstr("nodes 1010 and 1040 are at the same place"));
+  EXPECT_THAT(numbered(squares(1.5)), AllOf(HasSubstr("one has triangle 500 at (0, 0) m"),
+                                            HasSubstr("another triangle 502 at (1.5, 0) m")));
+  EXPECT_THAT(numbered(squares(0.6)), AllOf(HasSubstr("node 1"), HasSubstr("from node 1")));
+  MeshData covered =
+      mesh_of({0, 0, 1, 0, 1, 1, 0, 1, 0.5, 0.5}, {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 4, 0, 1});
+  EXPECT_THAT(numbered(covered),
+              AllOf(HasSubstr("overlap at node 1040"), HasSubstr("one of them is triangle 504")));
+}
+
 TEST(Overlap, TrianglesOnOthers) {
   EXPECT_THAT(message_of(squares(0.6)), HasSubstr("lies on an outer edge"));
   MeshData tilted = squares(0.6);

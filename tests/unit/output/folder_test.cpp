@@ -124,6 +124,40 @@ TEST_F(Folder, DoesNotFollowLinks) {
   EXPECT_EQ(contents(path("elsewhere")), "mine");
 }
 
+TEST_F(Folder, MarksThatLeadOutOfItCountForNothing) {
+  put(path("elsewhere"), "mine");
+  fs::create_directories(path("a"));
+  fs::create_directories(path("scenes"));
+  put(path("scenes/00001.yaml"), "mine");
+  put(path("a/.stylet"), "stylet 0.2.0 run\nopen ../elsewhere\nopen ../scenes/\nopen " +
+                             path("elsewhere") + "\nopen history.csv\n");
+  put(path("a/history.csv"), "ours");
+  run(path("a"), {"scene.yaml"}, Earlier::replace);
+  EXPECT_EQ(contents(path("elsewhere")), "mine");
+  EXPECT_EQ(contents(path("scenes/00001.yaml")), "mine");
+  EXPECT_FALSE(fs::exists(path("a/history.csv")));
+}
+
+TEST_F(Folder, FilesOfOthersAreNotMarksOrDrafts) {
+  put(path(".stylet"), "my notes");
+  expect_refused({"history.csv"}, Earlier::replace, {folder_, "'.stylet'"});
+  EXPECT_EQ(contents(path(".stylet")), "my notes");
+  fs::remove(path(".stylet"));
+  fs::create_symlink(path("nowhere"), path(".stylet"));
+  expect_refused({"history.csv"}, Earlier::replace, {folder_, "'.stylet'"});
+  EXPECT_TRUE(fs::is_symlink(path(".stylet")));
+  fs::remove(path(".stylet"));
+  put(path(".stylet.txt"), "mine");
+  expect_refused({"history.csv"}, Earlier::replace, {folder_, "'.stylet.txt'"});
+  fs::remove(path(".stylet.txt"));
+  put(draft_of(path("history.csv")), "of a run that was killed");
+  run(folder_, {"history.csv"});
+  put(path(".stylet.txt"), "mine");
+  run(folder_, {"history.csv"}, Earlier::replace);
+  EXPECT_EQ(contents(path(".stylet.txt")), "mine");
+  EXPECT_FALSE(fs::exists(draft_of(path("history.csv"))));
+}
+
 TEST_F(Folder, IsLockedWhileItIsUsed) {
   const OutputFolder folder(MPI_COMM_WORLD, path("a"), {"run", {}, {}}, Earlier::refuse,
                             OnSignal::tell);

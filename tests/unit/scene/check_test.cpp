@@ -184,6 +184,13 @@ TEST(Check, ExpectationsAreOfNumbersThatARunHasInTheirUnit) {
                 "that a run of this scene has, such as 'seeds.0.placement_error'; all: time"));
   EXPECT_THAT(expect("placement_eror", "5 mm"), HasSubstr("expect.0.quantity"));
   EXPECT_THAT(expect("stable_step", "1 s"), HasSubstr("expect.0.quantity"));
+  // Names with dots stand in quotes, as everywhere.
+  const auto of_probe = [](const std::string& quantity) {
+    return message_of(needle_scene, {"probes={a.b: [4 cm, 3 cm]}",
+                                     "expect=[{quantity: '" + quantity + "', max: 1 mm}]"});
+  };
+  EXPECT_EQ(of_probe(R"(probes."a.b".0)"), "no error");
+  EXPECT_THAT(of_probe("probes.a.b.0"), HasSubstr(R"(such as 'probes."a.b".0')"));
   const Scene scene = load_scene("s.yaml", needle_scene,
                                  {"expect=[{quantity: seeds.0.world.1, min: -1 cm, max: 2}]"});
   EXPECT_EQ(scene.expect[0].min, -0.01);

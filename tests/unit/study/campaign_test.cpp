@@ -52,6 +52,18 @@ vary:
               ElementsAre("needles.0.height=3.2 cm", "tissue.plane=strain"));
 }
 
+TEST(Campaign, TextsThatBeginWithANumberHaveNoUnit) {
+  const auto units = [](const std::string& variable) {
+    return planned("design: grid\nvary:\n  v: " + variable + "\n").units;
+  };
+  EXPECT_THAT(units("{key: mesh.file, values: [1.msh, coarse.msh]}"), ElementsAre(""));
+  EXPECT_THAT(units("{key: mesh.file, values: [2mm.msh]}"), ElementsAre(""));
+  EXPECT_THAT(units("{key: needles.0.height, values: [2mm]}"), ElementsAre("mm"));
+  EXPECT_THAT(
+      refusal("design: grid\nvary: {v: {offset_of: [needles.0.height], values: [1 foo]}}\n"),
+      HasSubstr("unknown unit 'foo'"));
+}
+
 TEST(Campaign, FactorsPowersAndOffsetsAreRelativeToTheScene) {
   const auto plan = planned(R"(
 design: grid
