@@ -49,6 +49,7 @@ double in_unit(const std::string& option, const std::string& text, const std::st
   }
 }
 
+/// Lives while it declares; what is called at parsing refers to `asked` only.
 class Verbs {
  public:
   Verbs(CLI::App& app, Asked& asked) : app_(app), asked_(asked) {}
@@ -103,9 +104,9 @@ class Verbs {
     writes(verb, asked_.run, "out/<scene>");
     verb->add_option_function<std::string>(
         "--accuracy",
-        [this](const std::string& text) {
+        [&accuracy = asked_.accuracy](const std::string& text) {
           (void)in_unit("--accuracy", text, "m");
-          asked_.accuracy = text;
+          accuracy = text;
         },
         "wanted for the placement error, such as '0.2 mm': takes the cheapest mesh and step that "
         "the stored convergence study says reach it");
