@@ -15,10 +15,11 @@ if [ "$(id -u)" -eq 0 ]; then
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 fi
 
-# Configures and builds into build/; the argument says ON or OFF to the tests.
+# Configures and builds into build/; the argument says ON or OFF to the tests, and to warnings
+# as errors: those of another compiler must not keep a user from the program.
 build() {
   cmake -S "$root" -B "$root/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING="$1" \
-    --log-level=WARNING
+    -DCMAKE_COMPILE_WARNING_AS_ERROR="$1" --log-level=WARNING
   ninja -C "$root/build" --quiet
 }
 

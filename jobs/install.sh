@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that Stylet needs; --tests adds those of its tests and mesher,
 # --studies those that statistics of campaigns need, --slurm a cluster for tests/slurm, --fuzz the
-# compiler of jobs/fuzz.sh.
+# compiler of jobs/fuzz.sh, --package what jobs/bare.sh needs.
 # What is already there is left alone, and with everything there no root is needed.
 set -euo pipefail
 
@@ -17,7 +17,8 @@ case "${1-}" in
   --studies) packages+=(python3-openturns) ;;   # Sobol indices
   --slurm) packages+=(slurm-wlm munge) ;;        # for tests/slurm
   --fuzz) packages+=(clang-14 libclang-rt-14-dev libomp-14-dev) ;;   # for jobs/fuzz.sh
-  *) echo "install.sh: unknown argument '$1'; allowed: --tests, --studies, --slurm, --fuzz" >&2; exit 2 ;;
+  --package) packages+=(dpkg-dev file debootstrap) ;;   # for jobs/bare.sh
+  *) echo "install.sh: unknown argument '$1'; allowed: --tests, --studies, --slurm, --fuzz, --package" >&2; exit 2 ;;
 esac
 
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then

@@ -52,6 +52,8 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   check(TSSetMaxTime(ts_.get(), PETSC_MAX_REAL));
   check(TSSetExactFinalTime(ts_.get(), TS_EXACTFINALTIME_STEPOVER));
   set_step(ts_.get(), [this](double h, Vec u, Vec v) { advance(h, u, v); });
+  check(TSSetFromOptions(ts_.get()));
+  check(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
 }
 
 void ExplicitNewmark::make_kernel(const Mesh& mesh) {
@@ -350,6 +352,7 @@ void ExplicitNewmark::accept() {
   std::swap(state_->v, v_);
   std::swap(state_->a, a_);
   state_->t += h_;
+  check(TSMonitor(ts_.get(), ++n_steps_, state_->t, state_->u.get()));
 }
 
 }  // namespace stylet

@@ -1,6 +1,7 @@
 #include "stylet/output/history.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/study/stability.hpp"
+#include "stylet/study/study_folder.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -179,7 +180,7 @@ void print(const Scene& scene, const Stability& result) {
   }
   std::printf("\nfiles in %s: stability.csv, stability_implicit.csv, summary.json\n",
               result.folder.c_str());
-  std::printf("picture: jobs/stability.py %s\n", result.folder.c_str());
+  std::printf("picture: %s %s\n", script_path("stability.py").c_str(), result.folder.c_str());
 }
 
 }  // namespace

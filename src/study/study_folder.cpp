@@ -25,12 +25,13 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Waits for a program; whether it ended well. Not std::system: quotes in a folder's name.
-bool succeeds(const std::string& program, const std::vector<std::string>& arguments) {
+bool succeeds(const std::vector<std::string>& arguments) {
+  const char* program = arguments.front().c_str();
   std::vector<char*> argv;
   for (const auto& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   pid_t child = 0;
-  if (posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ) != 0) {
+  if (posix_spawn(&child, program, nullptr, nullptr, argv.data(), environ) != 0) {
     return false;
   }
   int status = 0;
@@ -129,13 +130,22 @@ void keep_scene(MPI_Comm comm,
                         Durable::no);
 }
 
+std::string script_path(const std::string& script) {
+  std::error_code unknown;
+  const fs::path here = fs::read_symlink("/proc/self/exe", unknown).parent_path();
+  const fs::path installed = (here / STYLET_SCRIPTS / script).lexically_normal();
+  const fs::path built = here / "jobs" / script;
+  return (fs::exists(built) && !fs::exists(installed) ? built : installed).string();
+}
+
 void draw(MPI_Comm comm, const std::string& script, const std::string& folder, bool quiet) {
   if (rank_of(comm) == 0) {
-    const std::string path = std::string(STYLET_JOBS) + "/" + script;
+    const std::string path = script_path(script);
     std::fflush(stdout);
-    std::vector<std::string> arguments{"python3", "-B", path, folder};
+    // By its whole name: Python seeks its modules where its name is found first.
+    std::vector<std::string> arguments{"/usr/bin/python3", "-B", path, folder};
     if (quiet) arguments.emplace_back("--quiet");
-    if (!succeeds("/usr/bin/python3", arguments)) {
+    if (!succeeds(arguments)) {
       std::fprintf(stderr, "stylet: no picture; to draw it: /usr/bin/python3 %s %s\n", path.c_str(),
                    folder.c_str());
     }

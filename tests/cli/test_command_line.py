@@ -1,5 +1,7 @@
 """Arguments: help, --set, and PETSc options after --."""
 
+import json
+import re
 import unittest
 
 from stylet_cli import BLOCK_SCENE, DONE, NEEDLE_SCENE, CliTest, block_mesh
@@ -72,13 +74,28 @@ class CommandLine(CliTest):
                                       *options)
                 self.assert_code(outcome, DONE)
 
+    def test_explicit_steps_are_shown(self):
+        explicit = ["--set", "time.method=explicit", "--set", "tissue.mass=lumped", "--set",
+                    "time.duration=1 ms", "--set", "time.step=0.1 ms"]
+        outcome = self.stylet("run", "block.yaml", *explicit, "--", "-ts_view", "-ts_monitor")
+        self.assert_code(outcome, DONE)
+        self.assertIn("type: stylet-central-difference", outcome.out)
+        steps = re.findall(r"^(\d+) TS dt (\S+) time (\S+)", outcome.out, re.MULTILINE)
+        summary = json.loads((self.folder / "out/block/summary.json").read_text())
+        self.assertEqual([int(n) for n, _, _ in steps], list(range(1, summary["sub_steps"] + 1)))
+        self.assertAlmostEqual(float(steps[-1][2]), 1e-3, delta=1e-8)  # %g has six digits
+        implicit = ["--set", "time.method=implicit", "--set", "time.duration=1 ms", "--set",
+                    "time.step=0.1 ms"]
+        outcome = self.stylet("run", "block.yaml", "--force", *implicit, "--", "-ts_monitor")
+        self.assert_refused(outcome, "-ts_monitor", "not used by any solver")
+
     def test_unused_petsc_option(self):
         outcome = self.stylet("run", "block.yaml", "--", "-ksp_tpye", "cg")
         self.assert_refused(outcome, "-ksp_tpye", "not used by any solver")
 
     def test_other_petsc_options(self):
         for option in (["-options_file", "x"], ["-start_in_debugger"], ["-help"],
-                       ["-malloc_dump"], ["-mat_view"]):
+                       ["-malloc_dump"], ["-mat_view"], ["-ts_type", "euler"], ["-ts_dt", "1"]):
             with self.subTest(option=option):
                 outcome = self.stylet("run", "block.yaml", "--", *option)
                 self.assert_refused(outcome, option[0], "solver options", "-ksp_*")

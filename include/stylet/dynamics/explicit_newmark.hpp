@@ -62,6 +62,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   CellKernel cells_;
   std::vector<double> pressure_;  ///< room for it
   OwnedTs ts_;
+  PetscInt n_steps_ = 0;  ///< accepted
   State* state_ = nullptr;
   Vec load_ = nullptr;
   double h_ = 0;

@@ -23,7 +23,7 @@ template <class Body>
 PetscErrorCode guard(Body&& body) noexcept {
   try {
     std::forward<Body>(body)();
-    return 0;
+    return PetscErrorCode{};
   } catch (...) {
     store_exception(std::current_exception());
     return PETSC_ERR_LIB;

@@ -59,6 +59,9 @@ void keep_scene(MPI_Comm comm,
                 const std::string& id,
                 const Scene& scene);
 
+/// Of a script of jobs/, as seen from the program: where it was installed, or in the build beside it.
+[[nodiscard]] std::string script_path(const std::string& script);
+
 /// Collective. Runs jobs/<script> FOLDER on rank 0, which draws the picture and prints the report. Says
 /// how to do it by hand where that fails.
 void draw(MPI_Comm comm, const std::string& script, const std::string& folder, bool quiet);

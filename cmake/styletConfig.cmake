@@ -1,0 +1,16 @@
+# find_package(stylet): link stylet::simulation, or stylet::study for campaigns.
+set(stylet_need QUIET)
+include(${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake)
+set(stylet_missing "")
+foreach(found MPI_CXX_FOUND LAPACK_FOUND OpenMP_CXX_FOUND nlohmann_json_FOUND STYLET_PETSC_FOUND
+        STYLET_YAML_FOUND STYLET_HDF5_FOUND STYLET_UDUNITS_FOUND STYLET_metis STYLET_cholmod)
+  if(NOT ${found})
+    list(APPEND stylet_missing ${found})
+  endif()
+endforeach()
+if(stylet_missing)
+  set(stylet_FOUND FALSE)
+  set(stylet_NOT_FOUND_MESSAGE "stylet needs what is not here: ${stylet_missing}")
+  return()
+endif()
+include(${CMAKE_CURRENT_LIST_DIR}/styletTargets.cmake)
