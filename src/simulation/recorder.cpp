@@ -75,7 +75,7 @@ std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
   if (!scene.needles.empty()) {
     const Needle& needle = *simulation.needle();
     const auto world = turn.to_scene(needle.axis().at<WorldFrame>(needle.tip()));
-    const auto reference = turn.to_scene(needle.tip_point(simulation.mesh()));
+    const auto reference = turn.to_scene(needle.tip_point());
     const auto& forces = step.needle.forces;
     row.insert(row.end(), {world.x, world.y, reference.x, reference.y, forces.tip, forces.friction,
                            forces.total()});

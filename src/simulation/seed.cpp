@@ -8,8 +8,8 @@ namespace stylet {
 namespace {
 
 // A seed is where a needle left it that had cut its way there.
-void require_cut_in(const Mesh& mesh, const Needle& needle, double largest_tip_force) {
-  const double path = needle.track().distances(mesh).front();
+void require_cut_in(const Needle& needle, double largest_tip_force) {
+  const double path = needle.path_length();
   const double depth = needle.tip() - needle.skin();
   const std::string who = "needle '" + needle.parameters().name + "' ";
   if (needle.released()) {
@@ -26,7 +26,7 @@ void require_cut_in(const Mesh& mesh, const Needle& needle, double largest_tip_f
   }
   // Part of the tip is in a shallow wound by right, but not in one that is a mere dent in the skin.
   constexpr double dent = 0.2;
-  const double needed = needle.force_to_cut(mesh);
+  const double needed = needle.force_to_cut();
   const bool is_in = path >= needle.parameters().cutting.tip_length || path >= dent * depth;
   if (needle.track().size() > 1 && is_in) return;
   throw NumericalError(who + "implants a seed, but has not cut its way in: its tip force reached " +
@@ -44,8 +44,8 @@ Seed leave_seed(Body& body,
                 const std::string& target,
                 double largest_tip_force) {
   const Mesh& mesh = body.mesh();
-  require_cut_in(mesh, needle, largest_tip_force);
-  const ReferencePoint p = needle.tip_point(mesh);
+  require_cut_in(needle, largest_tip_force);
+  const ReferencePoint p = needle.tip_point();
   const auto place = locate(mesh, p, mesh.cells_around(needle.track().tip()).front());
   if (!place) throw NumericalError("a seed fell outside the tissue");
   Seed seed;
@@ -55,7 +55,7 @@ Seed leave_seed(Body& body,
   const WorldPoint tip = needle.axis().at<WorldFrame>(needle.tip());
   seed.displacement = {tip.x - p.x, tip.y - p.y};
   seed.place = body.embed({&*place, 1});
-  seed.tip = needle.stand(mesh);
+  seed.tip = needle.stand();
   return seed;
 }
 

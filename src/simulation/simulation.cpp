@@ -157,7 +157,7 @@ void Simulation::enter(const NeedleParameters& parameters) {
                            needle_->parameters().name + "' is in the tissue; take it out before");
     }
     earlier_needles_ = counts_.needle;
-    earlier = needle_->leave(mesh());
+    earlier = needle_->leave();
   }
   NeedleTissue tissue;
   if (scene_.membrane) {
@@ -170,11 +170,11 @@ void Simulation::enter(const NeedleParameters& parameters) {
     tissue.region_modulus[static_cast<std::size_t>(mesh().region_index(region.region))] =
         region.material.youngs_modulus;
   }
-  needle_.emplace(parameters, std::move(tissue), body_.decides_by_velocity());
+  needle_.emplace(mesh(), parameters, std::move(tissue), body_.decides_by_velocity());
   const Entry entry = find_entry(mesh(), needle_->axis(), parameters.name);
   std::vector<int> nodes{entry.node, entry.neighbour};
   std::ranges::sort(nodes);
-  body_.apply(needle_->enter(mesh(), entry, body_.view(nodes)), &needle_->track());
+  body_.apply(needle_->enter(entry, body_.view(nodes)), &needle_->track());
   largest_tip_force_ = 0;
   last_friction_ = 0;
   hand_->entered(needle_->skin(), Axis::along(entry.x));
@@ -190,7 +190,7 @@ void Simulation::implant(const std::string& target) {
 
 ConstraintSet Simulation::constraints() const {
   ConstraintSet set;
-  if (needle_ && !needle_->released()) set = body_.beside_held(needle_->constraints(mesh()));
+  if (needle_ && !needle_->released()) set = body_.beside_held(needle_->constraints());
   set.dofs.insert(set.dofs.end(), body_.held().begin(), body_.held().end());
   return set;
 }
@@ -203,14 +203,14 @@ void Simulation::count_forces(const NeedleForces& forces, bool punctured) {
   counts_.peak_needle_force = std::max(counts_.peak_needle_force, peak);
   last_friction_ = forces.friction;
   if (needle_->parameters().cutting.law == CuttingLaw::increment && !punctured) {
-    const double excess = forces.tip - needle_->force_to_cut(mesh());
+    const double excess = forces.tip - needle_->force_to_cut();
     counts_.tip_excess = std::max(counts_.tip_excess, excess);
   }
 }
 
 void Simulation::count_deformed_inversions() {
   if (needle_->tip_contact() == TipContact::open) return;
-  const auto nodes = needle_->watched(mesh());
+  const auto nodes = needle_->watched();
   const NeedleView view = body_.view(nodes);
   int inverted = 0;
   for (const int c : mesh().cells_around(needle_->track().tip())) {

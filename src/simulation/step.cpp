@@ -20,7 +20,7 @@ Multiplier multiplier(const Trial& trial) {
 bool edit(Body& body, Needle& needle) {
   bool edited = false;
   while (needle.wants_edit()) {
-    const NeedleEdits edits = needle.plan(body.mesh(), body.view(needle.watched(body.mesh())));
+    const NeedleEdits edits = needle.plan(body.view(needle.watched()));
     if (edits.empty()) continue;
     body.apply(edits);
     edited = true;
@@ -49,15 +49,15 @@ std::vector<int> settle(Body& body, Hand& hand, Needle* needle, NeedleStep& step
     const bool edited = needle != nullptr && edit(body, *needle);
     if (edited) shorten(body, hand, needle, step);
     if (needle != nullptr) {
-      loaded = needle->loaded_nodes(mesh);
+      loaded = needle->loaded_nodes();
       body.watch(loaded);
     }
     const Trial trial =
-        body.attempt(needle != nullptr ? needle->constraints(mesh) : ConstraintSet{}, edited);
+        body.attempt(needle != nullptr ? needle->constraints() : ConstraintSet{}, edited);
     ++result.passes;
     result.iterations += trial.iterations;
     if (shorten(body, hand, needle, step)) continue;
-    if (needle == nullptr || needle->review(mesh, body.view(loaded, trial), multiplier(trial))) {
+    if (needle == nullptr || needle->review(body.view(loaded, trial), multiplier(trial))) {
       return loaded;
     }
     if (result.passes > most_passes) {

@@ -31,11 +31,11 @@ Tip at_depth(double depth, int refine, std::vector<std::string> overrides = {}) 
   Simulation simulation(MPI_COMM_WORLD, scene_of(block, overrides), false);
   Tip tip{0, 1e300};
   run_to_end(simulation, [&](const StepRecord& step) {
-    const double in = 0.07 - simulation.needle()->tip_point(simulation.mesh()).x;
+    const double in = 0.07 - simulation.needle()->tip_point().x;
     if (in > 0.003) tip.least = std::min(tip.least, step.needle.forces.tip);
   });
   const Needle& needle = *simulation.needle();
-  const ReferencePoint at = needle.tip_point(simulation.mesh());
+  const ReferencePoint at = needle.tip_point();
   tip.gap = 1e3 * (needle.tip() - Axis::along(at));
   return tip;
 }

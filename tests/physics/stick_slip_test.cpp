@@ -57,14 +57,15 @@ class Block {
       : scene_(rigid_tissue(time)),
         body_(MPI_COMM_WORLD, scene_),
         motion_(needle_parameters(CuttingLaw::consistent).motion),
-        needle_(needle_parameters(body_.decides_by_velocity() ? CuttingLaw::lagged
+        needle_(body_.mesh(),
+                needle_parameters(body_.decides_by_velocity() ? CuttingLaw::lagged
                                                               : CuttingLaw::consistent),
                 {},
                 body_.decides_by_velocity()) {
     const Entry entry = find_entry(body_.mesh(), needle_.axis(), "needle");
     std::vector<int> ends{entry.node, entry.neighbour};
     std::ranges::sort(ends);
-    body_.apply(needle_.enter(body_.mesh(), entry, body_.view(ends)));
+    body_.apply(needle_.enter(entry, body_.view(ends)));
     motion_.enter(needle_.skin(), Axis::along_sign);
     while (needle_.tip() - needle_.skin() < 0.045) glide(5e-3);
     dof_ = Axis::along_dof(needle_.track().nodes()[block].node);
@@ -97,18 +98,18 @@ class Block {
   /// A step of the block.
   void step(double h) {
     const NeedleStep step = motion_.next(h);
-    needle_.start_step(body_.mesh(), step);
+    needle_.start_step(step);
     body_.begin(step.h);
     std::vector<int> loaded;
     for (;;) {
       const bool edited = cut();
-      loaded = needle_.loaded_nodes(body_.mesh());
+      loaded = needle_.loaded_nodes();
       body_.watch(loaded);
       const Trial trial = body_.attempt(constraints(), edited);
-      if (needle_.review(body_.mesh(), of_block(body_.view(loaded, trial)), 0)) break;
+      if (needle_.review(of_block(body_.view(loaded, trial)), 0)) break;
     }
     const Trial trial = body_.finish(true);
-    needle_.commit(body_.mesh(), body_.view(loaded), of_block(body_.view(loaded, trial)), 0);
+    needle_.commit(body_.view(loaded), of_block(body_.view(loaded, trial)), 0);
     body_.accept(trial, 0, 0);
     motion_.taken(step);
     const int nodes[1] = {dof_ / 2};
@@ -120,9 +121,9 @@ class Block {
   // stuck without force.
   void glide(double h) {
     const NeedleStep step = motion_.next(h);
-    needle_.start_step(body_.mesh(), step);
+    needle_.start_step(step);
     const auto zero = [&] {
-      const auto nodes = needle_.loaded_nodes(body_.mesh());
+      const auto nodes = needle_.loaded_nodes();
       return TrialView(nodes, std::vector<NodeTrial>(nodes.size()));
     };
     const auto force = [&] {
@@ -132,22 +133,22 @@ class Block {
     };
     do {
       cut();
-    } while (!needle_.review(body_.mesh(), zero(), force()));
-    needle_.commit(body_.mesh(), body_.view(needle_.loaded_nodes(body_.mesh())), zero(), force());
+    } while (!needle_.review(zero(), force()));
+    needle_.commit(body_.view(needle_.loaded_nodes()), zero(), force());
     motion_.taken(step);
   }
 
   bool cut() {
     const bool wanted = needle_.wants_edit();
     while (needle_.wants_edit()) {
-      body_.apply(needle_.plan(body_.mesh(), body_.view(needle_.watched(body_.mesh()))));
+      body_.apply(needle_.plan(body_.view(needle_.watched())));
     }
     return wanted;
   }
 
   [[nodiscard]] ConstraintSet constraints() const {
     ConstraintSet set = held_;
-    const ConstraintSet wanted = needle_.constraints(body_.mesh());
+    const ConstraintSet wanted = needle_.constraints();
     for (const auto& c : wanted.dofs) {
       if (c.dof == dof_) set.dofs.push_back(c);
     }

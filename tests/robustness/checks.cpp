@@ -87,7 +87,7 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
   }
   attached_ = std::move(attached);
   const bool is_explicit = simulation.scene().time.method == TimeMethod::explicit_newmark;
-  const auto set = needle.constraints(mesh);
+  const auto set = needle.constraints();
   if (set.mean && !is_explicit) {
     std::vector<int> loaded;
     for (const auto& [dof, weight] : set.mean->weights) loaded.push_back(dof);

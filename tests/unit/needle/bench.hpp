@@ -74,9 +74,9 @@ struct Bench {
   Bench(Mesh tissue_mesh, NeedleParameters parameters, NeedleTissue tissue = {})
       : mesh(std::move(tissue_mesh)),
         motion(parameters.motion),
-        needle(std::move(parameters), std::move(tissue), false) {
+        needle(mesh, std::move(parameters), std::move(tissue), false) {
     const Entry entry = find_entry(mesh, needle.axis(), "needle");
-    rewrite(mesh, needle.enter(mesh, entry, still(mesh)));
+    rewrite(mesh, needle.enter(entry, still(mesh)));
     motion.enter(needle.skin(), Axis::along_sign);
   }
 
@@ -84,25 +84,25 @@ struct Bench {
   void step(
       double h, double force, const std::function<void()>& look = [] {}) {
     const NeedleStep now = motion.next(h);
-    needle.start_step(mesh, now);
+    needle.start_step(now);
     for (;;) {
       while (needle.wants_edit()) {
-        rewrite(mesh, needle.plan(mesh, still(mesh)));
+        rewrite(mesh, needle.plan(still(mesh)));
         look();
       }
-      std::vector<int> nodes = needle.loaded_nodes(mesh);
+      std::vector<int> nodes = needle.loaded_nodes();
       const TrialView trial(nodes, std::vector<NodeTrial>(nodes.size()));
       // Where the first cut went too far ahead the tip waits for the needle without a force.
       const bool waits = Axis::along(mesh.point(needle.track().tip())) > now.to;
       const double lambda = needle.tip_contact() == TipContact::stick && !waits ? force : 0;
-      if (!needle.review(mesh, trial, lambda)) continue;
-      needle.commit(mesh, still_shaft(), trial, lambda);
+      if (!needle.review(trial, lambda)) continue;
+      needle.commit(still_shaft(), trial, lambda);
       motion.taken(now);
       return;
     }
   }
   [[nodiscard]] NeedleView still_shaft() const {
-    std::vector<int> nodes = needle.loaded_nodes(mesh);
+    std::vector<int> nodes = needle.loaded_nodes();
     const std::size_t n = nodes.size();
     return {std::move(nodes), std::vector<NodeState>(n)};
   }

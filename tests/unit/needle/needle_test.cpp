@@ -18,7 +18,7 @@ constexpr double above = 10;  // N, more than any threshold here
 
 /// Sum of the tip's weights: of its condition where it sticks, of its forces per newton where it cuts.
 double sum_of_weights(const Needle& needle, const Mesh& mesh) {
-  const auto set = needle.constraints(mesh);
+  const auto set = needle.constraints();
   double sum = 0;
   if (needle.tip_contact() == TipContact::stick) {
     for (const auto& [dof, weight] : set.mean->weights) sum += weight;
@@ -49,7 +49,7 @@ TEST(Needle, PointTipPushesUntilTheThreshold) {
 /// Of the tip's forces while it cuts (N).
 double cutting_force(const Needle& needle, const Mesh& mesh) {
   double sum = 0;
-  for (const auto& [dof, force] : needle.constraints(mesh).forces) sum += force;
+  for (const auto& [dof, force] : needle.constraints().forces) sum += force;
   return Axis::along_sign * sum;
 }
 
@@ -75,7 +75,7 @@ TEST(Needle, PressesOnTheSkinWithTheRestOfItsTip) {
     bench.step(0.05, above);
     const double s = bench.needle.track().distances(bench.mesh).front();
     double on_skin = 0;  // but for the node of the entry, which is of the path too
-    for (const auto& [dof, weight] : bench.needle.constraints(bench.mesh).forces) {
+    for (const auto& [dof, weight] : bench.needle.constraints().forces) {
       const ReferencePoint x = bench.mesh.point(dof / 2);
       if (x.x == 0.08 && x.y != 0.03) on_skin -= weight;
     }
@@ -92,7 +92,7 @@ TEST(Needle, PressesOnTheSkinWithTheRestOfItsTip) {
 Bench second_needle(double height, double first_depth, NeedleTissue properties = {}) {
   Bench first(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, first_depth, 0.006), properties);
   while (!first.motion.finished()) first.step(0.05, above);
-  properties.earlier = first.needle.leave(first.mesh);
+  properties.earlier = first.needle.leave();
   return {first.mesh, needle_at(height, 0.06, 0.006), properties};
 }
 
@@ -102,7 +102,7 @@ TEST(Needle, ACutStaysCut) {
     bool held = false;
     while (!bench.motion.finished()) {
       bench.step(0.05, 0.9);  // below the threshold
-      const double x = bench.needle.tip_point(bench.mesh).x;
+      const double x = bench.needle.tip_point().x;
       if (bench.needle.tip_contact() != TipContact::cut) continue;
       // To the end of the first path without a force, and no further.
       EXPECT_GT(x, 0.05 - 1e-9);
@@ -110,7 +110,7 @@ TEST(Needle, ACutStaysCut) {
       held = held || x < 0.051;
     }
     EXPECT_TRUE(held);
-    EXPECT_NEAR(bench.needle.tip_point(bench.mesh).x, 0.05, 1e-6);
+    EXPECT_NEAR(bench.needle.tip_point().x, 0.05, 1e-6);
     EXPECT_EQ(bench.needle.tip_contact(), TipContact::stick);
   }
 }
@@ -128,7 +128,7 @@ TEST(Needle, APunctureStaysOpen) {
   properties.puncture_force = 3;
   Bench same = second_needle(0.0317, 0.03, properties);
   while (!same.motion.finished()) same.step(0.05, 2);  // cuts, but does not puncture
-  EXPECT_LT(same.needle.tip_point(same.mesh).x, 0.03);
+  EXPECT_LT(same.needle.tip_point().x, 0.03);
   EXPECT_EQ(same.needle.counts().punctures, 0);
   Bench beside = second_needle(0.04, 0.03, properties);
   while (!beside.motion.finished()) beside.step(0.05, 2);
@@ -155,7 +155,7 @@ TEST(Needle, CutsAsFarAsItMoves) {
     Bench bench(Mesh(tissue(16, 12, jitter)), needle_at(0.0317, 0.05));
     while (!bench.motion.finished()) {
       bench.step(0.05, above);
-      const auto tip = bench.needle.tip_point(bench.mesh);
+      const auto tip = bench.needle.tip_point();
       // A step is accepted when the gap is below 1e-4 of its 1 mm; the first cut goes half an
       // element ahead.
       if (bench.needle.tip_contact() != TipContact::cut) continue;
@@ -212,7 +212,7 @@ TEST(Needle, TipWeightsSumToOne) {
 TEST(Needle, PointTipLoadsOneNode) {
   Bench bench(Mesh(tissue(16, 12)), needle_at(0.03, 0.02));
   for (int i = 0; i < 5; ++i) bench.step(0.05, above);
-  const auto set = bench.needle.constraints(bench.mesh);
+  const auto set = bench.needle.constraints();
   ASSERT_EQ(set.forces.size(), 1U);
   EXPECT_EQ(set.forces[0].dof, Axis::along_dof(bench.needle.track().tip()));
   EXPECT_EQ(set.forces[0].value, -1);  // 1 N towards -x
@@ -222,7 +222,7 @@ TEST(Needle, ShaftIsHeldOnItsAxis) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.03));
   while (!bench.motion.finished()) bench.step(0.05, above);
   std::set<int> held;
-  for (const auto& dof : bench.needle.constraints(bench.mesh).dofs) {
+  for (const auto& dof : bench.needle.constraints().dofs) {
     EXPECT_FALSE(dof.velocity);
     EXPECT_NEAR(dof.value, 0, 1e-15);  // the nodes stand on the axis already
     held.insert(dof.dof);
@@ -239,14 +239,14 @@ TEST(Needle, StopsAtTheMembraneUntilItIsPunctured) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.07), tissue_properties);
   while (!bench.needle.at_membrane()) bench.step(0.05, 2);  // cuts, but does not puncture
   // The crossing of straight lines.
-  EXPECT_NEAR(bench.needle.tip_point(bench.mesh).x, 0.06, 1e-15);
+  EXPECT_NEAR(bench.needle.tip_point().x, 0.06, 1e-15);
   for (int i = 0; i < 4; ++i) bench.step(0.05, 2);
   EXPECT_TRUE(bench.needle.at_membrane());
   EXPECT_EQ(bench.needle.counts().punctures, 0);
-  EXPECT_NEAR(bench.needle.tip_point(bench.mesh).x, 0.06, 1e-15);
+  EXPECT_NEAR(bench.needle.tip_point().x, 0.06, 1e-15);
   while (!bench.motion.finished()) bench.step(0.05, 3.1);
   EXPECT_EQ(bench.needle.counts().punctures, 2);  // in and out again
-  EXPECT_LT(bench.needle.tip_point(bench.mesh).x, 0.02);
+  EXPECT_LT(bench.needle.tip_point().x, 0.02);
 }
 
 TEST(Needle, AdvanceWithoutASolutionIsAnError) {
@@ -254,17 +254,17 @@ TEST(Needle, AdvanceWithoutASolutionIsAnError) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.06));
   while (bench.needle.counts().hand_overs < 2) bench.step(0.05, 2);
   Needle& needle = bench.needle;
-  needle.start_step(bench.mesh, bench.motion.next(0.05));
+  needle.start_step(bench.motion.next(0.05));
   const double from = Axis::along(bench.mesh.point(needle.track().tip()));
   const auto solve = [&] {
-    while (needle.wants_edit()) rewrite(bench.mesh, needle.plan(bench.mesh, still(bench.mesh)));
+    while (needle.wants_edit()) rewrite(bench.mesh, needle.plan(still(bench.mesh)));
     const double tip = Axis::along(bench.mesh.point(needle.track().tip()));
     const double gap = tip < from + 3e-4 ? 1e-3 : -1e-3;
     const double to = needle.tip() + 1e-3;
-    const std::vector<int> nodes = needle.loaded_nodes(bench.mesh);
+    const std::vector<int> nodes = needle.loaded_nodes();
     std::vector<NodeTrial> trials(nodes.size());
     for (auto& node : trials) node.u = {-(to - tip - gap), 0};
-    return needle.review(bench.mesh, TrialView(nodes, trials), above);
+    return needle.review(TrialView(nodes, trials), above);
   };
   try {
     // Where the gap jumps the tip holds; but there it bears more than its threshold.

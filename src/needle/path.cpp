@@ -1,0 +1,328 @@
+#include "stylet/needle/path.hpp"
+
+#include "stylet/base/sorted.hpp"
+#include "stylet/needle/friction.hpp"
+#include "stylet/needle/membrane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace stylet {
+
+namespace {
+
+// Flips in a step that only make way for the tip.
+constexpr int most_passages = 20;
+// Nearer than this to the end of an earlier cut the tip is there (m).
+constexpr double touching = 1e-9;
+// A hand-over that leaves a worse triangle is refused; a poor one waits until the tip has come closer to the
+// edge ahead.
+constexpr double quality_floor = 0.03;
+constexpr double fair_quality = 0.1;
+constexpr double closer = 0.02;  // of the distance to the edge ahead
+// The first cut goes so far to the edge ahead at once.
+constexpr double first_cut = 0.5;
+
+}  // namespace
+
+Path::Path(const Mesh& mesh,
+           Axis axis,
+           double tip_length,
+           double radius,
+           bool stops_at_ends,
+           NeedleTissue tissue)
+    : mesh_(mesh),
+      axis_(axis),
+      tip_length_(tip_length),
+      radius_(radius),
+      stops_at_ends_(stops_at_ends),
+      tissue_(std::move(tissue)),
+      punctures_(tissue_.earlier.punctures) {}
+
+NeedleEdits Path::enter(const Entry& entry, const NeedleView& start) {
+  const NodeState state =
+      interpolate(entry.fraction, start.at(entry.node), start.at(entry.neighbour));
+  track_.push({entry.node});
+  // The entry node slides by at most the edge to its neighbour.
+  const double slide = distance(mesh_.point(entry.node), entry.x);
+  skin_ = Skin(mesh_, entry.node, 0.5 * tip_length_ + slide);
+  free_ = tissue_.earlier.free_length(entry.x, Axis::direction(), radius_) > touching;
+  NeedleEdits edits;
+  if (entry.fraction > 0) edits.moves.push_back({entry.node, entry.x, state});
+  return edits;
+}
+
+EarlierCuts Path::leave() const {
+  EarlierCuts cuts = tissue_.earlier;
+  cuts.punctures = punctures_;
+  if (is_uncut()) return cuts;
+  auto& path = cuts.paths.emplace_back();
+  for (const auto& shaft : track_.nodes()) path.push_back(mesh_.point(shaft.node));
+  return cuts;
+}
+
+std::vector<int> Path::watched() const {
+  auto nodes = mesh_.neighbours(track_.tip());
+  for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
+  sort_unique(nodes);
+  return nodes;
+}
+
+std::vector<int> Path::loaded_nodes() const {
+  std::vector<int> nodes;
+  for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
+  if (length() < tip_length_) {
+    nodes.insert(nodes.end(), skin_.nodes().begin(), skin_.nodes().end());
+  }
+  return nodes;
+}
+
+double Path::share_in() const {
+  const double in = length();
+  return in < tip_length_ ? in / tip_length_ : 1;
+}
+
+double Path::modulus_ahead() const {
+  int ahead = -1;
+  double furthest = -std::numeric_limits<double>::infinity();
+  for (const int c : mesh_.cells_around(track_.tip())) {
+    double along = 0;
+    for (const int node : mesh_.cell(c)) along += Axis::along(mesh_.point(node)) / 3;
+    if (along > furthest) {
+      furthest = along;
+      ahead = c;
+    }
+  }
+  return tissue_.region_modulus[static_cast<std::size_t>(mesh_.region(ahead))];
+}
+
+double Path::element_size() const {
+  const auto around = mesh_.cells_around(track_.tip());
+  double size = 0;
+  for (const int c : around) size += std::sqrt(2 * mesh_.cell_measure(c));
+  return size / static_cast<double>(around.size());
+}
+
+// The tip's load is uniform over its length: what is in the tissue loads the path, what is not in yet
+// the skin around the entry.
+std::vector<NodeShare> Path::tip_shares() const {
+  if (tip_length_ == 0) return {{track_.tip(), 1}};
+  const double zone = std::min(tip_length_, length());
+  std::vector<NodeShare> shares;
+  if (zone < tip_length_) shares = skin_.lengths(mesh_, tip_length_ - zone);
+  const auto lengths = track_.lengths(mesh_, 0, zone);
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    if (lengths[i] == 0) continue;
+    const int node = track_.nodes()[i].node;
+    const auto same = std::ranges::find(shares, node, &NodeShare::node);
+    if (same == shares.end()) {
+      shares.push_back({node, lengths[i]});
+    } else {
+      same->value += lengths[i];
+    }
+  }
+  double total = 0;
+  for (const auto& share : shares) total += share.value;
+  for (auto& share : shares) share.value /= total;
+  return shares;
+}
+
+std::vector<double> Path::shaft_lengths() const {
+  auto lengths = track_.lengths(mesh_, exposed_ + tip_length_, length());
+  if (lengths.size() > 1) {
+    // The tip node obeys the tip's law alone; the shaft that it stands for goes to its neighbour, also
+    // where the tip is open: a force that came and went with the contact would let it cycle.
+    lengths[lengths.size() - 2] += lengths.back();
+    lengths.back() = 0;
+  }
+  return lengths;
+}
+
+void Path::uncover(double to,
+                   const TrialView& trial,
+                   const std::optional<FrictionParameters>& friction,
+                   double speed) {
+  const auto s = distances();
+  const auto world = [&](std::size_t i) {
+    return Axis::along(displaced(point(i), trial.at(track_.nodes()[i].node).u));
+  };
+  exposed_ = s.front();
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    auto& shaft = track_.nodes()[i];
+    const bool behind = world(i) <= to;
+    if (behind && !shaft.attached && friction) {
+      const double relative = speed - Axis::along(trial.at(shaft.node).v);
+      shaft.contact = slides_at_once(*friction, relative) ? Contact::slip : Contact::stick;
+      shaft.slip_sign = relative > 0 ? 1 : -1;
+    }
+    shaft.attached = behind;
+    if (!behind) continue;
+    exposed_ = s[i];
+    if (i + 1 == s.size()) continue;
+    const double gap_to_next = world(i + 1) - world(i);
+    if (gap_to_next > 0) {
+      const double covered = std::clamp((to - world(i)) / gap_to_next, 0.0, 1.0);
+      exposed_ = s[i] - covered * (s[i] - s[i + 1]);
+    }
+  }
+}
+
+void Path::cover() {
+  exposed_ = 0;
+  for (auto& shaft : track_.nodes()) {
+    if (shaft.attached) continue;
+    shaft.attached = true;
+    shaft.contact = Contact::stick;
+  }
+}
+
+bool Path::is_released() const {
+  return std::ranges::none_of(track_.nodes(), &ShaftNode::attached);
+}
+
+ReferencePoint Path::tip_point() const {
+  const auto s = distances();
+  for (std::size_t i = 0; i + 1 < s.size(); ++i) {
+    if (exposed_ > s[i] || exposed_ < s[i + 1] || s[i] == s[i + 1]) continue;
+    return point(i) + ((s[i] - exposed_) / (s[i] - s[i + 1])) * (point(i + 1) - point(i));
+  }
+  return tip();
+}
+
+void Path::start_step(double advance) {
+  new_base();
+  passages_ = 0;
+  advanced_ = 0;
+  remaining_ = advance;
+}
+
+void Path::new_base() {
+  base_.reset();
+  ++n_bases_;
+  b_ = 0;
+  postponed_ = false;
+  end_.reset();
+}
+
+std::optional<double> Path::end() const {
+  return end_ ? std::optional(end_->b) : std::nullopt;
+}
+
+// The largest b from base_, and what is there.
+Path::End Path::find_end() const {
+  const double reach = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
+  End end{std::max(reach, b_), EndKind::hand_over};
+  if (free_ && base_free_ < end.b) end = {base_free_, EndKind::virgin};
+  const auto membrane = crossing(base_->distance);
+  if (membrane && *membrane <= end.b) end = {std::max(*membrane, b_), EndKind::membrane};
+  return end;
+}
+
+std::optional<double> Path::crossing(double length) const {
+  return first_crossing(tissue_.membrane, base_->p, base_->r, length, punctures_, radius_);
+}
+
+void Path::puncture() {
+  punctures_.push_back(*membrane_);
+  membrane_.reset();
+  ++counts_.punctures;
+}
+
+bool Path::pass_end() {
+  switch (end_->kind) {
+    case EndKind::membrane:
+      membrane_ = base_->p + end_->b * base_->r;
+      return true;
+    case EndKind::virgin:
+      free_ = false;
+      new_base();
+      return true;
+    case EndKind::hand_over:
+      break;
+  }
+  hand_over_wanted_ = true;
+  return false;
+}
+
+// True if the tip has come to the end of an earlier cut, and waits.
+bool Path::find_base(const NeedleView& start) {
+  base_ = find_way(mesh_, track_, axis_, start);
+  if (!base_) throw Blocked("its tip has reached the boundary of the tissue");
+  if (base_->fell_back) ++counts_.fallbacks;
+  base_free_ = tissue_.earlier.free_length(base_->p, base_->r, radius_);
+  const bool was_free = std::exchange(free_, base_free_ > touching);
+  return was_free && !free_ && !hand_over_wanted_;
+}
+
+Path::Plan Path::hand_over(const NeedleView& start) {
+  auto hand_over = plan_hand_over(mesh_, track_, *base_, start);
+  const double quality = hand_over ? hand_over->quality : 0;
+  hand_over_wanted_ = false;
+  if (quality < fair_quality && !is_uncut() && base_->reach > b_ + closer * base_->distance) {
+    postponed_ = true;
+    end_ = find_end();
+    return {};
+  }
+  if (quality < quality_floor) {
+    // Other nodes come within reach if an edge is flipped.
+    const auto passage = plan_passage(mesh_, track_, *base_);
+    if (!passage || ++passages_ > most_passages) {
+      throw Blocked(
+          "no node near its tip can become the next one (they are held, or an element would "
+          "become too thin); refine the mesh or move the needle");
+    }
+    new_base();
+    Plan flip;
+    flip.edits.flips.push_back(*passage);
+    return flip;
+  }
+  if (is_uncut()) {
+    const double cut = first_cut * base_->distance;
+    remaining_ = std::max(0.0, remaining_ - cut);
+    advanced_ += cut;
+  }
+  const Contact inherited = track_.nodes().back().contact;
+  track_.push({hand_over->new_tip, true, inherited, track_.nodes().back().slip_sign, 0});
+  ++counts_.hand_overs;
+  new_base();
+  return {std::move(hand_over->edits)};
+}
+
+Path::Plan Path::plan(const NeedleView& start) {
+  Plan plan;
+  if (!base_ && find_base(start)) {
+    remaining_ = 0;
+    plan.holds = true;
+    return plan;
+  }
+  if (is_uncut()) {
+    // A membrane in the way of the first cut is met at the skin.
+    if (const auto met = crossing(first_cut * base_->distance)) {
+      membrane_ = base_->p + *met * base_->r;
+      hand_over_wanted_ = false;
+      remaining_ = 0;
+      plan.holds = true;
+      return plan;
+    }
+  }
+  if (hand_over_wanted_ || is_uncut()) return hand_over(start);
+  end_ = find_end();
+  const double wanted = std::max(0.0, b_ + remaining_);
+  const double to = std::min(wanted, end_->b);
+  remaining_ = 0;
+  if (to != b_) {
+    advanced_ += to - b_;
+    b_ = to;
+    plan.edits.moves.push_back(stylet::advanced(*base_, track_.tip(), b_));
+  }
+  // A search goes on from the end when it has seen the gap; the other laws know how far they go.
+  if (wanted >= end_->b && !stops_at_ends_) {
+    if (end_->kind == EndKind::hand_over) remaining_ = wanted - end_->b;
+    plan.holds = pass_end();
+  }
+  return plan;
+}
+
+}  // namespace stylet
