@@ -123,11 +123,11 @@ NeedleEdits Needle::plan(const NeedleView& start) {
   contacts_.forget_changes(path_.track());
   const int base = path_.base();
   try {
-    Path::Plan plan = path_.plan(start);
+    CutPath::Plan plan = path_.plan(start);
     if (path_.base() != base) forget_search();
     if (plan.holds) tip_ = TipContact::stick;
     return std::move(plan.edits);
-  } catch (const Path::Blocked& blocked) {
+  } catch (const CutPath::Blocked& blocked) {
     throw NumericalError("needle '" + parameters_.name + "' cannot advance, " +
                          ten_digits(tip_along_ - skin_along_) +
                          " m behind its entry point: " + blocked.what());

@@ -77,13 +77,13 @@ SubStep take_step(Body& body, Hand& hand, Needle* needle, double longest) {
   const double start = body.time();
   Needle* active = needle != nullptr && needle->takes_part(step) ? needle : nullptr;
 
-  if (active != nullptr) active->start_step(body.mesh(), step);
+  if (active != nullptr) active->start_step(step);
   body.begin(step.h);
   const auto loaded = settle(body, hand, active, step, result);
   const Trial trial = body.finish(active == nullptr || awaits_rest);
   if (active != nullptr) {
-    result.needle = active->commit(body.mesh(), body.view(loaded), body.view(loaded, trial),
-                                   multiplier(trial), body.ledger().end_weight(trial));
+    result.needle = active->commit(body.view(loaded), body.view(loaded, trial), multiplier(trial),
+                                   body.ledger().end_weight(trial));
   } else if (needle != nullptr) {
     needle->move_free(step);
   }

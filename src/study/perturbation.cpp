@@ -170,10 +170,7 @@ EnergyGrowth energy_growth(TissueOperator& tissue,
   const double start = kinetic_energy(tissue, state.v.get(), work.get());
   EnergyGrowth growth;
   for (int n = 0; n < n_steps; ++n) {
-    integrator.begin(state, load.get(), h, constraints.dofs);
-    integrator.attempt({{}, constraints.mean, constraints.forces}, false);
-    integrator.finish(true);
-    integrator.accept();
+    take_step(integrator, state, load.get(), h, constraints);
     growth.last = (kinetic_energy(tissue, state.v.get(), work.get()) +
                    strain_energy(tissue, state.u.get(), work.get())) /
                   start;

@@ -66,7 +66,7 @@ struct Problem {
     time.method = TimeMethod::quasi_static;
     ImplicitNewmark integrator(body.tissue, time);
     State state = still(body.tissue);
-    step(integrator, state, load.get(), 1, constraints);
+    take_step(integrator, state, load.get(), 1, constraints);
     u = gather_all(state.u.get());
     reaction = product(body.tissue, body.tissue.stiffness(), state.u.get());
   }

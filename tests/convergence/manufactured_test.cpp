@@ -104,7 +104,8 @@ Errors solve(int n, Plane plane, Diagonals diagonals) {
   time.method = TimeMethod::quasi_static;
   ImplicitNewmark integrator(body.tissue, time);
   State state = still(body.tissue);
-  step(integrator, state, load.get(), 1, held(dofs_of(mesh, {"left", "right", "bottom", "top"})));
+  take_step(integrator, state, load.get(), 1,
+            held(dofs_of(mesh, {"left", "right", "bottom", "top"})));
   const auto u = gather_all(state.u.get());
   Errors errors;
   integrate(mesh, [&](int c, ReferencePoint p, const std::array<double, 3>& at, double weight) {

@@ -70,7 +70,7 @@ Wave wave(int n, int steps, double end, TimeMethod method, MassKind mass) {
   OwnedVec off = body.tissue.make_vector();
   Wave result;
   for (int i = 1; i <= steps; ++i) {
-    step(*integrator, state, load.get(), end / steps, constraints);
+    take_step(*integrator, state, load.get(), end / steps, constraints);
     check(VecWAXPY(off.get(), -std::cos(omega() * end * i / steps), mode.get(), state.u.get()));
     result.error = std::max(result.error,
                             mass_norm(body.tissue, off.get()) / mass_norm(body.tissue, mode.get()));

@@ -64,7 +64,8 @@ double error(const TimeCase& c, int steps) {
   check(VecSet(load.get(), 0));
   const auto constraints = held(supports);
   initial_acceleration(body.tissue, state, load.get(), constraints);
-  for (int n = 0; n < steps; ++n) step(*integrator, state, load.get(), end / steps, constraints);
+  for (int n = 0; n < steps; ++n)
+    take_step(*integrator, state, load.get(), end / steps, constraints);
   const auto wanted = sum(end);
   const auto found = gather_all(state.u.get());
   double worst = 0;

@@ -40,7 +40,7 @@ double amplitude_after(std::optional<RayleighDamping> damping,
   const double h = factor * limit(std::sqrt(modes.squares.back()));
   double amplitude = 0;
   for (int n = 0; n < steps && amplitude < 1e20; ++n) {
-    step(integrator, state, load.get(), h, constraints);
+    take_step(integrator, state, load.get(), h, constraints);
     PetscReal now = 0;
     check(VecNorm(state.u.get(), NORM_INFINITY, &now));
     if (n >= steps / 2) amplitude = std::max(amplitude, now / size);

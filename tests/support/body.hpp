@@ -138,29 +138,6 @@ inline State still(const TissueOperator& tissue) {
   return state;
 }
 
-/// Implicit steps in which motion begins are two of half the length, as they ask for.
-inline void step(TimeIntegrator& integrator,
-                 State& state,
-                 Vec load,
-                 double h,
-                 const ConstraintSet& constraints) {
-  const auto attempt = [&](double length) {
-    integrator.begin(state, load, length, constraints.dofs);
-    integrator.attempt({{}, constraints.mean, constraints.forces}, false);
-  };
-  const auto accept = [&] {
-    integrator.finish(true);
-    integrator.accept();
-  };
-  attempt(h);
-  if (!integrator.decides_by_velocity() && integrator.stable_step() < h) {
-    attempt(0.5 * h);
-    accept();
-    attempt(0.5 * h);
-  }
-  accept();
-}
-
 /// Order from errors at two resolutions, the finer one `ratio` times as fine.
 inline double order(double coarse, double fine, double ratio = 2) {
   return std::log(coarse / fine) / std::log(ratio);

@@ -56,7 +56,7 @@ class Oscillator {
     const auto values = gather(vectors, dofs);
     return {values[0][0], values[1][0], values[2][0]};
   }
-  void step(double h) { stylet::step(*integrator_, state_, load_.get(), h, held_); }
+  void step(double h) { stylet::take_step(*integrator_, state_, load_.get(), h, held_); }
 
  private:
   static TissueParameters parameters(const TimeParameters& time,

@@ -94,4 +94,27 @@ class TimeIntegrator {
   [[nodiscard]] virtual bool decides_by_velocity() const = 0;
 };
 
+/// Collective. One step under constraints that are known, in steps of half the length where motion begins.
+inline void take_step(TimeIntegrator& integrator,
+                      State& state,
+                      Vec load,
+                      double h,
+                      const ConstraintSet& constraints) {
+  const auto attempt = [&](double length) {
+    integrator.begin(state, load, length, constraints.dofs);
+    integrator.attempt({{}, constraints.mean, constraints.forces}, false);
+  };
+  const auto accept = [&] {
+    integrator.finish(true);
+    integrator.accept();
+  };
+  attempt(h);
+  if (!integrator.decides_by_velocity() && integrator.stable_step() < h) {
+    attempt(0.5 * h);
+    accept();
+    attempt(0.5 * h);
+  }
+  accept();
+}
+
 }  // namespace stylet

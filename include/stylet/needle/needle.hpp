@@ -9,10 +9,10 @@
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/advance_search.hpp"
 #include "stylet/needle/contact_work.hpp"
+#include "stylet/needle/cut_path.hpp"
 #include "stylet/needle/cutting.hpp"
 #include "stylet/needle/motion.hpp"
 #include "stylet/needle/parameters.hpp"
-#include "stylet/needle/path.hpp"
 #include "stylet/needle/shaft_contacts.hpp"
 #include "stylet/needle/view.hpp"
 
@@ -135,7 +135,7 @@ class Needle {
 
   NeedleParameters parameters_;
   bool velocity_level_;
-  Path path_;
+  CutPath path_;
   ShaftContacts contacts_;
   AdvanceSearch search_;
   ContactWork work_;

@@ -39,16 +39,16 @@ struct NeedleCounts {
   return {a.hand_overs + b.hand_overs, a.fallbacks + b.fallbacks, a.punctures + b.punctures};
 }
 
-class Path {
+class CutPath {
  public:
   /// The mesh is lent. radius: within which earlier cuts and punctures are the needle's own (m);
   /// stops_at_ends: a tip that comes to the end of its base waits there for `pass_end`.
-  Path(const Mesh& mesh,
-       Axis axis,
-       double tip_length,
-       double radius,
-       bool stops_at_ends,
-       NeedleTissue tissue);
+  CutPath(const Mesh& mesh,
+          Axis axis,
+          double tip_length,
+          double radius,
+          bool stops_at_ends,
+          NeedleTissue tissue);
 
   /// The skin node slides to the axis; start: the two nodes of the entry. Returns the edit.
   NeedleEdits enter(const Entry& entry, const NeedleView& start);

@@ -1,4 +1,4 @@
-#include "stylet/needle/path.hpp"
+#include "stylet/needle/cut_path.hpp"
 
 #include "stylet/base/sorted.hpp"
 #include "stylet/needle/friction.hpp"
@@ -27,12 +27,12 @@ constexpr double first_cut = 0.5;
 
 }  // namespace
 
-Path::Path(const Mesh& mesh,
-           Axis axis,
-           double tip_length,
-           double radius,
-           bool stops_at_ends,
-           NeedleTissue tissue)
+CutPath::CutPath(const Mesh& mesh,
+                 Axis axis,
+                 double tip_length,
+                 double radius,
+                 bool stops_at_ends,
+                 NeedleTissue tissue)
     : mesh_(mesh),
       axis_(axis),
       tip_length_(tip_length),
@@ -41,7 +41,7 @@ Path::Path(const Mesh& mesh,
       tissue_(std::move(tissue)),
       punctures_(tissue_.earlier.punctures) {}
 
-NeedleEdits Path::enter(const Entry& entry, const NeedleView& start) {
+NeedleEdits CutPath::enter(const Entry& entry, const NeedleView& start) {
   const NodeState state =
       interpolate(entry.fraction, start.at(entry.node), start.at(entry.neighbour));
   track_.push({entry.node});
@@ -54,7 +54,7 @@ NeedleEdits Path::enter(const Entry& entry, const NeedleView& start) {
   return edits;
 }
 
-EarlierCuts Path::leave() const {
+EarlierCuts CutPath::leave() const {
   EarlierCuts cuts = tissue_.earlier;
   cuts.punctures = punctures_;
   if (is_uncut()) return cuts;
@@ -63,14 +63,14 @@ EarlierCuts Path::leave() const {
   return cuts;
 }
 
-std::vector<int> Path::watched() const {
+std::vector<int> CutPath::watched() const {
   auto nodes = mesh_.neighbours(track_.tip());
   for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
   sort_unique(nodes);
   return nodes;
 }
 
-std::vector<int> Path::loaded_nodes() const {
+std::vector<int> CutPath::loaded_nodes() const {
   std::vector<int> nodes;
   for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
   if (length() < tip_length_) {
@@ -79,12 +79,12 @@ std::vector<int> Path::loaded_nodes() const {
   return nodes;
 }
 
-double Path::share_in() const {
+double CutPath::share_in() const {
   const double in = length();
   return in < tip_length_ ? in / tip_length_ : 1;
 }
 
-double Path::modulus_ahead() const {
+double CutPath::modulus_ahead() const {
   int ahead = -1;
   double furthest = -std::numeric_limits<double>::infinity();
   for (const int c : mesh_.cells_around(track_.tip())) {
@@ -98,7 +98,7 @@ double Path::modulus_ahead() const {
   return tissue_.region_modulus[static_cast<std::size_t>(mesh_.region(ahead))];
 }
 
-double Path::element_size() const {
+double CutPath::element_size() const {
   const auto around = mesh_.cells_around(track_.tip());
   double size = 0;
   for (const int c : around) size += std::sqrt(2 * mesh_.cell_measure(c));
@@ -107,7 +107,7 @@ double Path::element_size() const {
 
 // The tip's load is uniform over its length: what is in the tissue loads the path, what is not in yet
 // the skin around the entry.
-std::vector<NodeShare> Path::tip_shares() const {
+std::vector<NodeShare> CutPath::tip_shares() const {
   if (tip_length_ == 0) return {{track_.tip(), 1}};
   const double zone = std::min(tip_length_, length());
   std::vector<NodeShare> shares;
@@ -129,7 +129,7 @@ std::vector<NodeShare> Path::tip_shares() const {
   return shares;
 }
 
-std::vector<double> Path::shaft_lengths() const {
+std::vector<double> CutPath::shaft_lengths() const {
   auto lengths = track_.lengths(mesh_, exposed_ + tip_length_, length());
   if (lengths.size() > 1) {
     // The tip node obeys the tip's law alone; the shaft that it stands for goes to its neighbour, also
@@ -140,10 +140,10 @@ std::vector<double> Path::shaft_lengths() const {
   return lengths;
 }
 
-void Path::uncover(double to,
-                   const TrialView& trial,
-                   const std::optional<FrictionParameters>& friction,
-                   double speed) {
+void CutPath::uncover(double to,
+                      const TrialView& trial,
+                      const std::optional<FrictionParameters>& friction,
+                      double speed) {
   const auto s = distances();
   const auto world = [&](std::size_t i) {
     return Axis::along(displaced(point(i), trial.at(track_.nodes()[i].node).u));
@@ -169,7 +169,7 @@ void Path::uncover(double to,
   }
 }
 
-void Path::cover() {
+void CutPath::cover() {
   exposed_ = 0;
   for (auto& shaft : track_.nodes()) {
     if (shaft.attached) continue;
@@ -178,11 +178,11 @@ void Path::cover() {
   }
 }
 
-bool Path::is_released() const {
+bool CutPath::is_released() const {
   return std::ranges::none_of(track_.nodes(), &ShaftNode::attached);
 }
 
-ReferencePoint Path::tip_point() const {
+ReferencePoint CutPath::tip_point() const {
   const auto s = distances();
   for (std::size_t i = 0; i + 1 < s.size(); ++i) {
     if (exposed_ > s[i] || exposed_ < s[i + 1] || s[i] == s[i + 1]) continue;
@@ -191,14 +191,14 @@ ReferencePoint Path::tip_point() const {
   return tip();
 }
 
-void Path::start_step(double advance) {
+void CutPath::start_step(double advance) {
   new_base();
   passages_ = 0;
   advanced_ = 0;
   remaining_ = advance;
 }
 
-void Path::new_base() {
+void CutPath::new_base() {
   base_.reset();
   ++n_bases_;
   b_ = 0;
@@ -206,12 +206,12 @@ void Path::new_base() {
   end_.reset();
 }
 
-std::optional<double> Path::end() const {
+std::optional<double> CutPath::end() const {
   return end_ ? std::optional(end_->b) : std::nullopt;
 }
 
 // The largest b from base_, and what is there.
-Path::End Path::find_end() const {
+CutPath::End CutPath::find_end() const {
   const double reach = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
   End end{std::max(reach, b_), EndKind::hand_over};
   if (free_ && base_free_ < end.b) end = {base_free_, EndKind::virgin};
@@ -220,17 +220,17 @@ Path::End Path::find_end() const {
   return end;
 }
 
-std::optional<double> Path::crossing(double length) const {
+std::optional<double> CutPath::crossing(double length) const {
   return first_crossing(tissue_.membrane, base_->p, base_->r, length, punctures_, radius_);
 }
 
-void Path::puncture() {
+void CutPath::puncture() {
   punctures_.push_back(*membrane_);
   membrane_.reset();
   ++counts_.punctures;
 }
 
-bool Path::pass_end() {
+bool CutPath::pass_end() {
   switch (end_->kind) {
     case EndKind::membrane:
       membrane_ = base_->p + end_->b * base_->r;
@@ -247,7 +247,7 @@ bool Path::pass_end() {
 }
 
 // True if the tip has come to the end of an earlier cut, and waits.
-bool Path::find_base(const NeedleView& start) {
+bool CutPath::find_base(const NeedleView& start) {
   base_ = find_way(mesh_, track_, axis_, start);
   if (!base_) throw Blocked("its tip has reached the boundary of the tissue");
   if (base_->fell_back) ++counts_.fallbacks;
@@ -256,7 +256,7 @@ bool Path::find_base(const NeedleView& start) {
   return was_free && !free_ && !hand_over_wanted_;
 }
 
-Path::Plan Path::hand_over(const NeedleView& start) {
+CutPath::Plan CutPath::hand_over(const NeedleView& start) {
   auto hand_over = plan_hand_over(mesh_, track_, *base_, start);
   const double quality = hand_over ? hand_over->quality : 0;
   hand_over_wanted_ = false;
@@ -290,7 +290,7 @@ Path::Plan Path::hand_over(const NeedleView& start) {
   return {std::move(hand_over->edits)};
 }
 
-Path::Plan Path::plan(const NeedleView& start) {
+CutPath::Plan CutPath::plan(const NeedleView& start) {
   Plan plan;
   if (!base_ && find_base(start)) {
     remaining_ = 0;
