@@ -2,12 +2,12 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/dynamics/explicit_newmark.hpp"
-#include "stylet/dynamics/modes.hpp"
 #include "stylet/needle/advance.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/simulation.hpp"
+#include "stylet/solvers/modes.hpp"
 #include "stylet/study/identity.hpp"
 
 #include <nlohmann/json.hpp>

@@ -2,11 +2,11 @@
 // triangles), on one rank. "triangles" is a counter of each row.
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/explicit_step.hpp"
-#include "stylet/dynamics/near_field.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/model.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include "support/scenes.hpp"
 

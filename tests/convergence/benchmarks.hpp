@@ -3,8 +3,8 @@
 #pragma once
 
 #include "stylet/dynamics/implicit_newmark.hpp"
-#include "stylet/dynamics/modes.hpp"
 #include "stylet/mesh/embedded_point.hpp"
+#include "stylet/solvers/modes.hpp"
 
 #include "support/body.hpp"
 

@@ -1,6 +1,6 @@
 // Measured stable steps and energies against closed forms of small bodies.
 #include "stylet/dynamics/explicit_newmark.hpp"
-#include "stylet/dynamics/modes.hpp"
+#include "stylet/solvers/modes.hpp"
 #include "stylet/study/perturbation.hpp"
 
 #include "support/modes.hpp"

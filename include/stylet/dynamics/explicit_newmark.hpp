@@ -10,10 +10,10 @@
 // of the next step. The forces of contact are those that bring the free velocities to the given ones.
 #pragma once
 
-#include "stylet/dynamics/eigenvalue_bound.hpp"
 #include "stylet/dynamics/explicit_step.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/solvers/eigenvalue_bound.hpp"
 
 #include <vector>
 

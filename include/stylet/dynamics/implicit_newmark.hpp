@@ -25,10 +25,10 @@
 // literally that is first order and unstable above omega h = 2/sqrt(3). It must be v0, as here.
 #pragma once
 
-#include "stylet/dynamics/constrained_solver.hpp"
-#include "stylet/dynamics/near_field.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/solvers/constrained_solver.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include <optional>
 #include <vector>

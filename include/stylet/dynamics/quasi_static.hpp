@@ -6,8 +6,8 @@
 // when a node comes near, when the operator is factored anew, and when somebody looks.
 #pragma once
 
-#include "stylet/dynamics/near_field.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include <optional>
 #include <vector>

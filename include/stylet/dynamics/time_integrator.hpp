@@ -1,9 +1,9 @@
 // One step of time, tried as often as contact laws ask for and accepted once.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/dynamics/state.hpp"
 #include "stylet/fem/tissue_operator.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <optional>
 #include <span>

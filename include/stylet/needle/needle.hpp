@@ -5,7 +5,6 @@
 // saved state; then commit. No Mat, Vec or KSP here.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/advance.hpp"
 #include "stylet/needle/advance_search.hpp"
@@ -16,6 +15,7 @@
 #include "stylet/needle/skin.hpp"
 #include "stylet/needle/track.hpp"
 #include "stylet/needle/view.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <algorithm>
 #include <optional>

@@ -5,10 +5,10 @@
 // and no forces, the constant ones of friction and cutting included.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/simulation/model.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-#include "stylet/dynamics/cholesky.hpp"
+#include "stylet/solvers/cholesky.hpp"
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/index.hpp"

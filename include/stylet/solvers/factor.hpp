@@ -2,7 +2,7 @@
 // options -pc_* ask for.
 #pragma once
 
-#include "stylet/dynamics/eliminated.hpp"
+#include "stylet/solvers/eliminated.hpp"
 
 #include <span>
 

@@ -12,9 +12,9 @@
 // ranks hold the dense matrices and compute the same.
 #pragma once
 
-#include "stylet/dynamics/cholesky.hpp"
-#include "stylet/dynamics/constraint_set.hpp"
-#include "stylet/dynamics/eliminated.hpp"
+#include "stylet/solvers/cholesky.hpp"
+#include "stylet/solvers/constraint_set.hpp"
+#include "stylet/solvers/eliminated.hpp"
 
 #include <span>
 #include <unordered_map>

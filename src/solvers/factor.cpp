@@ -1,10 +1,10 @@
-#include "stylet/dynamics/factor.hpp"
+#include "stylet/solvers/factor.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/dynamics/cholesky.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/solvers/cholesky.hpp"
 
 namespace stylet {
 

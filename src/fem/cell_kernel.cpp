@@ -1,4 +1,4 @@
-#include "stylet/dynamics/cell_kernel.hpp"
+#include "stylet/fem/cell_kernel.hpp"
 
 #include "stylet/base/index.hpp"
 #include "stylet/base/sorted.hpp"

@@ -1,4 +1,4 @@
-#include "stylet/dynamics/near_field.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/check.hpp"

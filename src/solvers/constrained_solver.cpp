@@ -1,4 +1,4 @@
-#include "stylet/dynamics/constrained_solver.hpp"
+#include "stylet/solvers/constrained_solver.hpp"
 
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/check.hpp"

@@ -1,9 +1,9 @@
 // From the near dofs to all: solves with the factor, and their check.
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/dynamics/near_field.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,9 +8,9 @@
 // PETSc options: -ksp_* for the iteration, -pc_* for F (any PC: gamg, hypre, jacobi ...).
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
-#include "stylet/dynamics/factor.hpp"
 #include "stylet/petsc/owned.hpp"
+#include "stylet/solvers/constraint_set.hpp"
+#include "stylet/solvers/factor.hpp"
 
 #include <optional>
 #include <span>
