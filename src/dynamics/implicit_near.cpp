@@ -35,7 +35,7 @@ double row_product(Mat matrix,
 
 // Predictors of dofs that became near.
 void ImplicitNewmark::refresh_near() {
-  const std::span<const int> dofs = near_->dofs();
+  const std::span<const int> dofs = near_.dofs();
   const Vec vectors[2] = {u_guess_.get(), v_guess_.get()};
   if (dofs.size() == u_near_.size()) return;
   const auto values = gather(vectors, dofs.subspan(u_near_.size()));
@@ -45,9 +45,8 @@ void ImplicitNewmark::refresh_near() {
 }
 
 void ImplicitNewmark::watch(std::span<const int> nodes) {
-  if (!near_) return;
-  watched_ = dofs_of(nodes);
-  if (!fresh_) near_->include(watched_);  // else once the operator is made
+  watched_ = stylet::dofs_of(nodes);
+  if (!fresh_) near_.include(watched_);  // else once the operator is made
 }
 
 // Predictors, right-hand side and operator at the nodes whose rows changed; the same as `predict`
@@ -55,7 +54,7 @@ void ImplicitNewmark::watch(std::span<const int> nodes) {
 void ImplicitNewmark::predict_edited() {
   static const LogEvent event("StyletPredict");
   const LogScope scope(event);
-  const std::vector<int> dofs = dofs_of(edited_);
+  const std::vector<int> dofs = stylet::dofs_of(edited_);
   const double c0 = h_ * h_ * k_.c0;
   {
     const Values u0(state_->u.get());
@@ -66,16 +65,16 @@ void ImplicitNewmark::predict_edited() {
       const double u = own ? u0[dof] : 0;
       const double v = own ? v0[dof] : 0;
       const double a = own ? a0[dof] : 0;
-      set_owned(u_guess_.get(), dof, inertia_ ? u + h_ * v + c0 * a : u);
-      set_owned(v_guess_.get(), dof, inertia_ ? v + h_ * k_.g0 * a : 0);
+      set_owned(u_guess_.get(), dof, u + h_ * v + c0 * a);
+      set_owned(v_guess_.get(), dof, v + h_ * k_.g0 * a);
     }
   }
-  near_->changed(tissue_.tangent_matrix(), dofs);
+  near_.changed(tissue_.tangent_matrix(), dofs);
   refresh_near();
-  const std::vector<int> columns = dofs_of(surrounding_);
+  const std::vector<int> columns = stylet::dofs_of(surrounding_);
   const Vec vectors[4] = {u_guess_.get(), v_guess_.get(), state_->a.get(), held_increment_.get()};
   const auto values = gather(vectors, columns);
-  const auto damping = inertia_ ? tissue_.damping().value_or(RayleighDamping{}) : RayleighDamping{};
+  const auto damping = tissue_.damping().value_or(RayleighDamping{});
   std::vector<double> stretched = values[0];
   std::vector<double> moved = values[2];
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -106,8 +105,8 @@ void ImplicitNewmark::predict_edited() {
                             MPI_DOUBLE, MPI_SUM, tissue_.comm()));
   }
   for (std::size_t i = 0; i < dofs.size(); ++i) {
-    if (near_->eliminated(dofs[i])) continue;
-    const std::size_t at = near_->at(dofs[i]);
+    if (near_.eliminated(dofs[i])) continue;
+    const std::size_t at = near_.at(dofs[i]);
     const auto from =
         static_cast<std::size_t>(std::ranges::lower_bound(columns, dofs[i]) - columns.begin());
     u_near_[at] = values[0][from];
@@ -118,21 +117,12 @@ void ImplicitNewmark::predict_edited() {
 }
 
 Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
-  std::vector<int> dofs;
-  for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
-  for (const auto& [dof, force] : constraints.forces) dofs.push_back(dof);
-  if (constraints.mean) {
-    for (const auto& [dof, weight] : constraints.mean->weights) dofs.push_back(dof);
-  }
-  near_->include(dofs);
+  near_.include(dofs_of(constraints));
   refresh_near();
-  extra_ = change_;
-  for (const auto& [dof, force] : constraints.forces) {
-    if (!near_->eliminated(dof)) extra_[near_->at(dof)] += force;
-  }
+  push(constraints, change_);
   given_.clear();
   for (const auto& c : constraints.dofs) {
-    const std::size_t at = near_->at(c.dof);
+    const std::size_t at = near_.at(c.dof);
     given_.push_back({at, increment_of(c, u_near_[at], v_near_[at])});
   }
   weights_.clear();
@@ -142,7 +132,7 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
     double v = 0;
     double moved = 0;  // by held dofs
     for (const auto& [dof, weight] : constraints.mean->weights) {
-      if (near_->eliminated(dof)) {
+      if (near_.eliminated(dof)) {
         const Vec vectors[3] = {u_guess_.get(), v_guess_.get(), held_increment_.get()};
         const int one[1] = {dof};
         const auto held = gather(vectors, one);
@@ -151,63 +141,37 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
         moved += weight * held[2][0];
         continue;
       }
-      weights_.push_back({near_->at(dof), weight});
+      weights_.push_back({near_.at(dof), weight});
       u += weight * u_near_[weights_.back().at];
       v += weight * v_near_[weights_.back().at];
     }
     value = place(constraints.mean->value, u, v) - u - moved;
     if (weights_.empty()) throw_all_held();
   }
-  solution_ = near_->solve(extra_, given_, weights_, value);
-  Entries u(u_.get());
-  Entries v(v_.get());
-  Entries reaction(reaction_.get());
-  for (std::size_t i = 0; i < near_->dofs().size(); ++i) {
-    const int dof = near_->dofs()[i];
-    if (!u.owns(dof)) continue;
-    u[dof] = u_near_[i] + solution_.x[i];
-    v[dof] = v_near_[i] + speed() * solution_.x[i];
-    reaction[dof] = solution_.reaction[i];
-  }
-  return at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
+  solution_ = near_.solve(extra_, given_, weights_, value);
+  return near_trial([&](std::size_t i) { return u_near_[i] + solution_.x[i]; },
+                    [&](std::size_t i) { return v_near_[i] + speed() * solution_.x[i]; });
 }
 
 // The last trial at all dofs.
 void ImplicitNewmark::complete_near() {
   check(VecCopy(rhs_base_.get(), rhs_.get()));
-  {
-    Entries rhs(rhs_.get());
-    for (std::size_t i = 0; i < near_->dofs().size(); ++i) {
-      const int dof = near_->dofs()[i];
-      if (rhs.owns(dof)) rhs[dof] += extra_[i];
-    }
-  }
-  near_->complete(tissue_.tangent_matrix(), rhs_.get(), given_, weights_, solution_,
-                  increment_.get(), work_.get());
-  check(VecSet(reaction_.get(), 0));
-  {
-    Entries reaction(reaction_.get());
-    const Values r(work_.get());
-    for (const auto& c : held_) {
-      if (r.owns(c.dof)) reaction[c.dof] = r[c.dof];
-    }
-    for (const auto& g : given_) {
-      const int dof = near_->dofs()[g.at];
-      if (r.owns(dof)) reaction[dof] = solution_.reaction[g.at];
-    }
-  }
+  add_extra(rhs_.get());
+  near_.complete(tissue_.tangent_matrix(), rhs_.get(), given_, weights_, solution_,
+                 increment_.get(), work_.get());
+  collect_reactions(work_.get());
   if (held_move_) check(VecAXPY(increment_.get(), 1, held_increment_.get()));
   check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
   check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
 }
 
 Trial ImplicitNewmark::finish(bool) {
-  if (near_) complete_near();
-  const HoldingForces forces{reaction_.get(), near_ ? solution_.lambda : trial_.settled.lambda};
+  complete_near();
+  const HoldingForces forces{reaction_.get(), solution_.lambda};
   if (twice_) {
     trial_ = both_halves(forces);
     trial_.damping_work = damping_between_halves();
-  } else if (near_) {
+  } else {
     trial_ = at_end(u_.get(), v_.get(), forces);
     if (has_blow_) settle();
   }

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace stylet {
 
@@ -30,32 +29,17 @@ StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity) {
 }
 
 ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters)
-    : tissue_(tissue),
-      inertia_(parameters.method != TimeMethod::quasi_static),
-      scheme_(coefficients(inertia_ ? parameters.scheme : ImplicitScheme::backward_euler,
-                           parameters.rho_infinity)),
+    : CondensedIntegrator(tissue),
+      scheme_(coefficients(parameters.scheme, parameters.rho_infinity)),
       k_(scheme_) {
-  if (NearField::serves(tissue.comm(), tissue.n_dofs())) {
-    near_.emplace(tissue.comm(), tissue.n_dofs());
-  } else {
-    solver_.emplace(tissue.comm());
-  }
-  for (OwnedVec* vec : {&u_, &v_, &u_guess_, &v_guess_, &increment_, &held_increment_, &rhs_,
-                        &rhs_base_, &reaction_, &work_}) {
+  for (OwnedVec* vec : {&u_guess_, &v_guess_, &increment_, &held_increment_, &rhs_base_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
 }
 
-double ImplicitNewmark::stable_step() const {
-  return std::numeric_limits<double>::infinity();
-}
-
 void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
-  if (!near_) return;
-  const auto rows = tissue_.rows_of(mesh, cells);
-  edited_.insert(edited_.end(), rows.begin(), rows.end());
-  sort_unique(edited_);
+  CondensedIntegrator::touched(mesh, cells);
   surrounding_ = tissue_.coupled(mesh, edited_);
 }
 
@@ -75,18 +59,16 @@ void ImplicitNewmark::begin(State& state, Vec load, double h, std::span<const Pr
 void ImplicitNewmark::make_operator() {
   const double shift_v = k_.g1 / (k_.c1 * h_);
   const double shift_a = (1 - k_.alpha_m) / (k_.c1 * h_ * h_);
-  const bool anew = inertia_ ? shift_v != shift_v_ || shift_a != shift_a_ : shift_a_ == 0;
-  if (anew) {
-    tissue_.make_tangent(inertia_ ? tissue_.tangent(shift_v, shift_a) : Combination{0, 1});
-    near_ ? near_->forget() : solver_->forget();
+  if (shift_v != shift_v_ || shift_a != shift_a_) {
+    tissue_.make_tangent(tissue_.tangent(shift_v, shift_a));
+    near_.forget();
   }
   shift_v_ = shift_v;
   shift_a_ = shift_a;
-  if (!near_) return;
-  if (near_->wants_factor()) {
-    near_->factor(tissue_.tangent_matrix(), held_);
+  if (near_.wants_factor()) {
+    near_.factor(tissue_.tangent_matrix(), held_);
   } else if (!edited_.empty()) {
-    near_->changed(tissue_.tangent_matrix(), dofs_of(edited_));
+    near_.changed(tissue_.tangent_matrix(), stylet::dofs_of(edited_));
   }
   edited_.clear();
 }
@@ -94,18 +76,17 @@ void ImplicitNewmark::make_operator() {
 // What held dofs take of the right-hand side, and the near field's solution for what is left.
 void ImplicitNewmark::prepare() {
   make_operator();
-  if (!near_) return;
   if (held_move_) {
     check(MatMult(tissue_.tangent_matrix(), held_increment_.get(), work_.get()));
     check(VecAXPY(rhs_base_.get(), -1, work_.get()));
   }
   check(VecCopy(rhs_base_.get(), rhs_.get()));
   for (const auto& c : held_) set_owned(rhs_.get(), c.dof, 0);
-  near_->load(rhs_.get());
+  near_.load(rhs_.get());
   u_near_.clear();
   v_near_.clear();
   change_.clear();
-  near_->include(watched_);
+  near_.include(watched_);
   refresh_near();
 }
 
@@ -113,13 +94,6 @@ void ImplicitNewmark::prepare() {
 void ImplicitNewmark::predict() {
   const auto [u0, v0, a0] = from_;
   check(VecCopy(u0, u_guess_.get()));
-  if (!inertia_) {
-    check(VecSet(v_guess_.get(), 0));
-    check(MatMult(tissue_.stiffness(), u_guess_.get(), work_.get()));
-    check(VecWAXPY(rhs_base_.get(), -1, work_.get(), load_));
-    hold();
-    return;
-  }
   check(VecAXPY(u_guess_.get(), h_, v0));
   check(VecAXPY(u_guess_.get(), h_ * h_ * k_.c0, a0));
   check(VecWAXPY(v_guess_.get(), h_ * k_.g0, a0, v0));
@@ -166,81 +140,37 @@ void ImplicitNewmark::hold() {
   }
   held_move_ = size[0] != 0;
   fastest_ = std::max(fastest_, size[1]);
-  held_begin_ = inertia_ && size[0] > at_once * h_ * fastest_;
+  held_begin_ = size[0] > at_once * h_ * fastest_;
 }
 
-Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
+Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   if (fresh_) {
     predict();
-  } else if (!twice_ && near_ && !edited_.empty()) {
+  } else if (!twice_ && !edited_.empty()) {
     predict_edited();
-  } else if (!twice_ && !near_ && edited) {
-    predict();
   }
   // It needs the predictors of the whole step, which two half steps leave.
   const bool begins = twice_ || held_begin_ || needle_begins(constraints);
-  if (!damps_at_once() && (begins || (inertia_ && constraints.load_jumps))) {
+  if (!damps_at_once() && (begins || constraints.load_jumps)) {
     twice_ = true;
     trial_ = attempt_twice(constraints);
   } else {
     if (fresh_) prepare();
-    trial_ = near_ ? attempt_near(constraints) : attempt_whole(constraints);
+    trial_ = attempt_near(constraints);
     has_blow_ = begins;
     if (has_blow_) take_off_blow(constraints);
   }
+  trial_.iterations = near_.take_iterations();
   fresh_ = false;
   return trial_;
-}
-
-Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints) {
-  check(VecCopy(rhs_base_.get(), rhs_.get()));
-  {
-    Entries b(rhs_.get());
-    for (const auto& [dof, force] : constraints.forces) {
-      if (b.owns(dof)) b[dof] += force;
-    }
-  }
-  // Given displacements and velocities as given increments.
-  std::vector<DofValue> given;
-  std::optional<MeanCondition> mean = constraints.mean;
-  {
-    const Values u(u_guess_.get());
-    const Values v(v_guess_.get());
-    const auto add = [&](const PrescribedDof& c) {
-      given.push_back({c.dof, u.owns(c.dof) ? increment_of(c, u[c.dof], v[c.dof]) : 0});
-    };
-    std::ranges::for_each(held_, add);
-    std::ranges::for_each(constraints.dofs, add);
-    if (mean) {
-      double before[2] = {0, 0};  // of the predictors
-      for (const auto& [dof, weight] : mean->weights) {
-        if (!u.owns(dof)) continue;
-        before[0] += weight * u[dof];
-        before[1] += weight * v[dof];
-      }
-      if (size_of(tissue_.comm()) > 1) {
-        check_mpi(MPI_Allreduce(MPI_IN_PLACE, before, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
-      }
-      mean->value = place(mean->value, before[0], before[1]) - before[0];
-    }
-  }
-  const auto result = solver_->solve(tissue_.tangent_matrix(), rhs_.get(), given,
-                                     mean ? &*mean : nullptr, increment_.get(), reaction_.get());
-  check(VecWAXPY(u_.get(), 1, increment_.get(), u_guess_.get()));
-  check(VecWAXPY(v_.get(), speed(), increment_.get(), v_guess_.get()));
-  Trial trial = at_end(u_.get(), v_.get(), {reaction_.get(), result.lambda});
-  trial.iterations = result.iterations;
-  return trial;
 }
 
 void ImplicitNewmark::accept() {
   if (!twice_ && !damps_at_once()) fit_given();
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
-  if (inertia_) {
-    check(VecCopy(increment_.get(), state_->a.get()));
-    check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
-  }
+  check(VecCopy(increment_.get(), state_->a.get()));
+  check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
   state_->t += step_;
   released_ = had_mean_ && !has_mean_;
   had_mean_ = has_mean_;

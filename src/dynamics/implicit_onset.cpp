@@ -14,7 +14,7 @@ namespace stylet {
 bool ImplicitNewmark::needle_begins(const ConstraintSet& constraints) {
   needle_dofs_.assign(constraints.dofs.begin(), constraints.dofs.end());
   has_mean_ = constraints.mean.has_value();
-  if (!inertia_ || (damps_at_once() && !has_mean_)) return false;
+  if (damps_at_once() && !has_mean_) return false;
   // Not in the step that lets go itself: its search for the advance needs a gap without jumps.
   if (fresh_ && released_ && !damps_at_once()) return true;
   std::vector<int> dofs;
@@ -66,7 +66,7 @@ Trial ImplicitNewmark::attempt_twice(const ConstraintSet& constraints) {
     from_ = {u, v, state_->a.get()};
     predict();
     prepare();
-    return near_ ? attempt_near(constraints) : attempt_whole(constraints);
+    return attempt_near(constraints);
   };
   for (OwnedVec* vec : {&middle_u_, &middle_v_, &first_reaction_, &mean_reaction_}) {
     if (!*vec) *vec = tissue_.make_vector();
@@ -74,16 +74,15 @@ Trial ImplicitNewmark::attempt_twice(const ConstraintSet& constraints) {
   k_ = coefficients(ImplicitScheme::backward_euler, 0);
   h_ = 0.5 * step_;
   halfway_ = true;
-  const Trial first = half(state_->u.get(), state_->v.get());
-  if (near_) complete_near();
+  half(state_->u.get(), state_->v.get());
+  complete_near();
   check(VecCopy(u_.get(), middle_u_.get()));
   check(VecCopy(v_.get(), middle_v_.get()));
   check(VecCopy(reaction_.get(), first_reaction_.get()));
-  first_lambda_ = near_ ? solution_.lambda : first.settled.lambda;
+  first_lambda_ = solution_.lambda;
   halfway_ = false;
   const Trial second = half(middle_u_.get(), middle_v_.get());
   Trial trial = both_halves(second.settled);
-  trial.iterations = first.iterations + second.iterations;
   return trial;
 }
 
@@ -157,9 +156,8 @@ void ImplicitNewmark::take_off_blow(const ConstraintSet& constraints) {
   if (tissue_.mass() != nullptr) {
     if (!mass_solver_) mass_solver_.emplace(tissue_.comm());
     check(VecSet(work_.get(), 0));
-    const auto result = mass_solver_->solve(tissue_.mass(), work_.get(), given,
-                                            mean ? &*mean : nullptr, jump_.get(), blow_.get());
-    blow_lambda_ = result.lambda;
+    blow_lambda_ = mass_solver_->solve(tissue_.mass(), work_.get(), given, mean ? &*mean : nullptr,
+                                       jump_.get(), blow_.get());
   } else {
     blow_lumped(given, mean ? &*mean : nullptr);
   }

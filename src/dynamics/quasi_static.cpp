@@ -5,7 +5,6 @@
 #include "stylet/petsc/entries.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <unordered_map>
 
 namespace stylet {
@@ -21,21 +20,8 @@ double dot(std::span<const double> a, std::span<const double> b) {
 }  // namespace
 
 QuasiStatic::QuasiStatic(TissueOperator& tissue)
-    : tissue_(tissue), near_(tissue.comm(), tissue.n_dofs()) {
-  for (OwnedVec* vec : {&u_, &v_, &reaction_, &rhs_, &work_, &held_u_}) {
-    *vec = tissue.make_vector();
-    check(VecSet(vec->get(), 0));
-  }
-}
-
-double QuasiStatic::stable_step() const {
-  return std::numeric_limits<double>::infinity();
-}
-
-void QuasiStatic::touched(const Mesh& mesh, std::span<const int> cells) {
-  const auto rows = tissue_.rows_of(mesh, cells);
-  edited_.insert(edited_.end(), rows.begin(), rows.end());
-  sort_unique(edited_);
+    : CondensedIntegrator(tissue), held_u_(tissue.make_vector()) {
+  check(VecSet(held_u_.get(), 0));
 }
 
 void QuasiStatic::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
@@ -121,12 +107,12 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
 
 void QuasiStatic::watch(std::span<const int> nodes) {
   // Before the first step the state is whole.
-  if (state_ != nullptr && !near_.wants_factor()) make_near(dofs_of(nodes));
+  if (state_ != nullptr && !near_.wants_factor()) make_near(stylet::dofs_of(nodes));
 }
 
 // What edits moved is near; what their elements touch becomes so.
 void QuasiStatic::take_edits() {
-  const std::vector<int> dofs = dofs_of(edited_);
+  const std::vector<int> dofs = stylet::dofs_of(edited_);
   make_near(dofs);
   edited_.clear();
   near_.changed(tissue_.stiffness(), dofs);
@@ -143,18 +129,8 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
     take_edits();
     load_tissue();
   }
-  std::vector<int> dofs;
-  for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
-  for (const auto& [dof, force] : constraints.forces) dofs.push_back(dof);
-  if (constraints.mean) {
-    for (const auto& [dof, weight] : constraints.mean->weights) dofs.push_back(dof);
-  }
-  make_near(dofs);
-  const std::size_t n = near_.dofs().size();
-  extra_.assign(n, 0.0);
-  for (const auto& [dof, force] : constraints.forces) {
-    if (!near_.eliminated(dof)) extra_[near_.at(dof)] += force;
-  }
+  make_near(dofs_of(constraints));
+  push(constraints, {});
   given_.clear();
   for (const auto& c : constraints.dofs) {
     const std::size_t at = near_.at(c.dof);
@@ -175,19 +151,9 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
     if (weights_.empty()) throw_all_held();
   }
   solution_ = near_.solve(extra_, given_, weights_, value);
-  {
-    Entries u(u_.get());
-    Entries v(v_.get());
-    Entries reaction(reaction_.get());
-    for (std::size_t i = 0; i < n; ++i) {
-      const int dof = near_.dofs()[i];
-      if (!u.owns(dof)) continue;
-      u[dof] = solution_.x[i];
-      v[dof] = (solution_.x[i] - start_[i]) / h_;
-      reaction[dof] = solution_.reaction[i];
-    }
-  }
-  trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
+  trial_ = near_trial([&](std::size_t i) { return solution_.x[i]; },
+                      [&](std::size_t i) { return (solution_.x[i] - start_[i]) / h_; });
+  trial_.iterations = near_.take_iterations();
   return trial_;
 }
 
@@ -195,28 +161,11 @@ Trial QuasiStatic::finish(bool whole) {
   whole_step_ = whole || loaded_;
   if (!whole_step_) return trial_;
   complete();
-  {
-    Entries b(rhs_.get());
-    for (std::size_t i = 0; i < extra_.size(); ++i) {
-      const int dof = near_.dofs()[i];
-      if (b.owns(dof)) b[dof] += extra_[i];
-    }
-  }
+  add_extra(rhs_.get());
   near_.complete(tissue_.stiffness(), rhs_.get(), given_, weights_, solution_, u_.get(),
                  work_.get());
   fresh_ = true;  // of rhs_ and of the near field's solution for it
-  check(VecSet(reaction_.get(), 0));
-  {
-    Entries reaction(reaction_.get());
-    const Values residual(work_.get());
-    for (const auto& c : held_) {
-      if (residual.owns(c.dof)) reaction[c.dof] = residual[c.dof];
-    }
-    for (const auto& g : given_) {
-      const int dof = near_.dofs()[g.at];
-      if (residual.owns(dof)) reaction[dof] = solution_.reaction[g.at];
-    }
-  }
+  collect_reactions(work_.get());
   if (loaded_) check(VecAXPY(u_.get(), 1, held_u_.get()));
   check(VecWAXPY(v_.get(), -1, state_->u.get(), u_.get()));
   check(VecScale(v_.get(), 1 / h_));

@@ -33,8 +33,8 @@ void check(PetscErrorCode code, const char* file, int line) {
   message += text;
   if (specific != nullptr && *specific != '\0') message += std::string(": ") + specific;
   message += std::string(" (") + file + ":" + std::to_string(line) + ")";
-  // A name behind -ksp_type or -pc_type that PETSc does not have.
-  const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE;
+  // A name behind -ksp_type, -pc_type or -pc_factor_mat_solver_type that PETSc does not have.
+  const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_MISSING_FACTOR;
   throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
 }
 

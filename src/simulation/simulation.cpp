@@ -84,8 +84,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     integrator_ = std::make_unique<ExplicitNewmark>(*tissue_, mesh(), scene_.time);
     counts_.stable_step = integrator_->stable_step();
   } else {
-    if (scene_.time.method == TimeMethod::quasi_static &&
-        NearField::serves(comm, tissue_->n_dofs())) {
+    if (scene_.time.method == TimeMethod::quasi_static) {
       integrator_ = std::make_unique<QuasiStatic>(*tissue_);
     } else {
       integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);

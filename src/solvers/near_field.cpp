@@ -45,17 +45,6 @@ std::vector<double> product(const std::vector<double>& symmetric, std::span<cons
 
 }  // namespace
 
-bool NearField::serves(MPI_Comm comm, PetscInt n_dofs) {
-  char* all = nullptr;
-  check(PetscOptionsGetAll(nullptr, &all));
-  const std::string options = all;
-  check(PetscFree(all));
-  for (const char* solver : {"-ksp_", "-pc_"}) {
-    if (options.find(solver) != std::string::npos) return false;
-  }
-  return Cholesky::fits(comm, n_dofs);
-}
-
 bool NearField::wants_factor() const {
   if (stale_) return true;
   // A factorisation costs about n^1.5, dense algebra the third power of the near dofs.
@@ -77,7 +66,7 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
     if (c.dof >= begin && c.dof < end) owned.push_back(c.dof - begin);
   }
   factored_.take(a, owned);
-  factor_.factor(factored_.matrix());
+  whole_.factor(factored_.matrix());
   stale_ = false;
   dofs_.clear();
   index_.clear();
@@ -110,7 +99,7 @@ void NearField::grow(std::span<const int> dofs) {
   const std::size_t all = n + m;
   dofs_.insert(dofs_.end(), dofs.begin(), dofs.end());
   is_changed_.resize(all, false);
-  std::vector<double> g = factor_.inverse_entries(dofs_, dofs);  // all x m
+  std::vector<double> g = whole_.inverse_entries(dofs_, dofs);  // all x m
   static const LogEvent event("StyletCondense");
   const LogScope scope(event);
   const PetscBLASInt bn = blas(n);
@@ -160,7 +149,7 @@ void NearField::grow(std::span<const int> dofs) {
   for (std::size_t i = 0; i < k_.size(); ++i) k_[i] += s_[i];
   l_.assign(all * all, 0.0);
   valid_ = 0;
-  const auto values = factor_.loaded(dofs);
+  const auto values = whole_.loaded(dofs);
   y_near_.insert(y_near_.end(), values.begin(), values.end());
   s_y_ = product(s_, y_near_);
 }
@@ -212,13 +201,13 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
 }
 
 void NearField::load(Vec b) {
-  factor_.load(b);
-  y_near_ = factor_.loaded(dofs_);
+  whole_.load(b);
+  y_near_ = whole_.loaded(dofs_);
   s_y_ = product(s_, y_near_);
 }
 
 void NearField::unload() {
-  factor_.unload();
+  whole_.unload();
   y_near_.assign(size(), 0.0);
   s_y_.assign(size(), 0.0);
 }

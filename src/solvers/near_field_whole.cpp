@@ -12,13 +12,13 @@
 namespace stylet {
 
 void NearField::respond(std::span<const double> forces, Vec x) {
-  factor_.respond(std::span(dofs_).first(forces.size()), forces, false, x);
+  whole_.respond(std::span(dofs_).first(forces.size()), forces, false, x);
 }
 
 void NearField::expand(std::span<const double> x_near, Vec x) {
   std::vector<double> difference(x_near.begin(), x_near.end());
   for (std::size_t i = 0; i < size(); ++i) difference[i] -= y_near_[i];
-  factor_.respond(dofs_, factored_forces(difference), true, x);
+  whole_.respond(dofs_, factored_forces(difference), true, x);
 }
 
 // Iterative refinement: the factor is of an older operator and the dense matrices have been updated

@@ -10,7 +10,6 @@
 //                          alpha_m = (rho - 1)/(rho + 1), g1 = 1/2 - alpha_m, c1 = (1 - alpha_m)^2/4;
 //                          rho = 1 is average acceleration
 //   backward Euler         alpha_m = 0, c0 = g0 = 0, c1 = g1 = 1
-//   quasi-static           K u1 = f1, v1 = (u1 - u0)/h, no M and no C
 //
 // Given motion that begins, or changes its speed, between two steps. Schemes that balance the start of a
 // step too carry what does not fit there on and on: a place that starts to move at speed V gets 2V, 0,
@@ -25,9 +24,9 @@
 // literally that is first order and unstable above omega h = 2/sqrt(3). It must be v0, as here.
 #pragma once
 
+#include "stylet/dynamics/condensed_integrator.hpp"
 #include "stylet/dynamics/parameters.hpp"
-#include "stylet/dynamics/time_integrator.hpp"
-#include "stylet/solvers/constrained_solver.hpp"
+#include "stylet/solvers/mass_solver.hpp"
 #include "stylet/solvers/near_field.hpp"
 
 #include <optional>
@@ -45,9 +44,9 @@ struct StepCoefficients {
 
 [[nodiscard]] StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity);
 
-class ImplicitNewmark final : public TimeIntegrator {
+class ImplicitNewmark final : public CondensedIntegrator {
  public:
-  /// The tissue is lent. Quasi-static if the method says so.
+  /// The tissue is lent.
   ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
@@ -55,9 +54,7 @@ class ImplicitNewmark final : public TimeIntegrator {
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool whole) override;
   void accept() override;
-  [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
-  [[nodiscard]] bool decides_by_velocity() const override { return false; }
 
  private:
   struct Start {
@@ -79,7 +76,6 @@ class ImplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
   [[nodiscard]] double place(double end, double u, double v) const;
   Trial attempt_near(const ConstraintSet& constraints);
-  Trial attempt_whole(const ConstraintSet& constraints);
   Trial attempt_twice(const ConstraintSet& constraints);
   [[nodiscard]] Trial both_halves(const HoldingForces& second);
   [[nodiscard]] double damping_between_halves();
@@ -90,23 +86,15 @@ class ImplicitNewmark final : public TimeIntegrator {
   void settle();
   [[nodiscard]] double speed() const { return k_.g1 / (k_.c1 * h_); }  ///< v1 = v_guess + speed x
 
-  TissueOperator& tissue_;
-  bool inertia_;
   StepCoefficients scheme_;
-  StepCoefficients k_;                       ///< of this stage: the scheme's, or of a half step
-  std::optional<NearField> near_;            ///< with a direct factor
-  std::optional<ConstrainedSolver> solver_;  ///< with any other PC
-  State* state_ = nullptr;
-  Start from_;  ///< of this stage
-  Vec load_ = nullptr;
-  double step_ = 0;
-  double h_ = 0;        ///< of this stage: the step, or half of it
+  StepCoefficients k_;  ///< of this stage: the scheme's, or of a half step
+  Start from_;          ///< of this stage
+  double step_ = 0;     ///< h_ is of this stage: the step, or half of it
   double shift_v_ = 0;  ///< of the operator
   double shift_a_ = 0;
-  bool fresh_ = true;     ///< no trial yet
-  bool twice_ = false;    ///< this step is two half steps
-  bool halfway_ = false;  ///< this stage is the first of them
-  std::vector<PrescribedDof> held_;
+  bool fresh_ = true;                       ///< no trial yet
+  bool twice_ = false;                      ///< this step is two half steps
+  bool halfway_ = false;                    ///< this stage is the first of them
   bool held_move_ = false;                  ///< some held dof has an increment
   bool held_begin_ = false;                 ///< one that its velocity does not explain
   double fastest_ = 0;                      ///< speed of given motion so far (m/s)
@@ -115,27 +103,16 @@ class ImplicitNewmark final : public TimeIntegrator {
   bool had_mean_ = false;         ///< in the last step
   bool released_ = false;         ///< then
   std::vector<int> watched_;      ///< dofs
-  std::vector<int> edited_;       ///< nodes whose rows changed since the last trial; ascending
   std::vector<int> surrounding_;  ///< what they couple to
   // Of the near dofs, in their order.
   std::vector<double> u_near_;  ///< predictors
   std::vector<double> v_near_;
   std::vector<double> change_;  ///< of the right-hand side by edits since `begin`
-  std::vector<double> extra_;   ///< change and the forces of the last trial
-  std::vector<NearField::Given> given_;
-  std::vector<NearField::Given> weights_;
-  NearField::Solution solution_;
-  Trial trial_;
-  OwnedVec u_;  ///< displacement of the trial
-  OwnedVec v_;
-  OwnedVec u_guess_;  ///< predictor of the step
+  OwnedVec u_guess_;            ///< predictor of the step
   OwnedVec v_guess_;
   OwnedVec increment_;  ///< u1 - predictor = c1 h^2 a1, the unknown
   OwnedVec held_increment_;
-  OwnedVec rhs_;
   OwnedVec rhs_base_;  ///< at `begin`, less what increments of held dofs take
-  OwnedVec reaction_;
-  OwnedVec work_;
   // Of steps in which given motion begins.
   OwnedVec middle_u_;
   OwnedVec middle_v_;
@@ -143,7 +120,7 @@ class ImplicitNewmark final : public TimeIntegrator {
   OwnedVec mean_reaction_;
   double first_lambda_ = 0;
   bool has_blow_ = false;
-  std::optional<ConstrainedSolver> mass_solver_;
+  std::optional<MassSolver> mass_solver_;
   OwnedVec jump_;  ///< of velocity
   OwnedVec blow_;  ///< impulses (N s)
   double blow_lambda_ = 0;

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 
 namespace stylet {
 
@@ -81,6 +82,9 @@ class TimeIntegrator {
   /// Collective. Strain energy (J) of the last trial from what is known near the needle. None if the
   /// step is whole: its displacements then tell.
   [[nodiscard]] virtual std::optional<double> strain_energy() const { return std::nullopt; }
+
+  /// What solves for the whole tissue, and who chose it; for the record.
+  [[nodiscard]] virtual std::string solver() const { return "none"; }
 
   /// The largest step that is stable now (s); infinity if unconditionally stable.
   [[nodiscard]] virtual double stable_step() const = 0;

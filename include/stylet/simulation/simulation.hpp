@@ -73,6 +73,8 @@ class Simulation {
   [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
   [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
   [[nodiscard]] double time() const { return state_.t; }
+  /// What solves for the whole tissue, from the first step on.
+  [[nodiscard]] std::string solver() const { return integrator_->solver(); }
   /// Collective.
   [[nodiscard]] const State& state() const {
     integrator_->complete();

@@ -12,9 +12,9 @@
 // ranks hold the dense matrices and compute the same.
 #pragma once
 
-#include "stylet/solvers/cholesky.hpp"
 #include "stylet/solvers/constraint_set.hpp"
 #include "stylet/solvers/eliminated.hpp"
+#include "stylet/solvers/whole_solver.hpp"
 
 #include <span>
 #include <unordered_map>
@@ -26,14 +26,13 @@ namespace stylet {
 class NearField {
  public:
   /// Collective.
-  NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_dofs_(n_dofs), factor_(comm, n_dofs) {}
-
-  /// Collective. True if the ranks' memory allows it and no option -ksp_* or -pc_* asks for another
-  /// solver.
-  [[nodiscard]] static bool serves(MPI_Comm comm, PetscInt n_dofs);
+  NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_dofs_(n_dofs), whole_(comm, n_dofs) {}
 
   /// Collective. New factor with these dofs eliminated (of all ranks); no near dofs.
   void factor(Mat a, std::span<const PrescribedDof> held);
+  /// Of the whole tissue's solver.
+  [[nodiscard]] const WholeSolver& whole() const { return whole_; }
+  [[nodiscard]] int take_iterations() { return whole_.take_iterations(); }
   /// The next `begin` of its user must factor again.
   void forget() { stale_ = true; }
   /// True if there is no factor, or so many near dofs were `changed` that a new one pays.
@@ -95,7 +94,7 @@ class NearField {
 
   MPI_Comm comm_;
   PetscInt n_dofs_;
-  Cholesky factor_;
+  WholeSolver whole_;
   Eliminated factored_;  ///< A0
   bool stale_ = true;
   std::unordered_set<int> held_;
