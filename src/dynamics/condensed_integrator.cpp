@@ -5,8 +5,8 @@
 
 namespace stylet {
 
-CondensedIntegrator::CondensedIntegrator(TissueOperator& tissue)
-    : tissue_(tissue), near_(tissue.comm(), tissue.n_dofs()) {
+CondensedIntegrator::CondensedIntegrator(TissueOperator& tissue, const Mesh& mesh)
+    : tissue_(tissue), cells_(mesh, tissue), near_(tissue.comm(), tissue.n_dofs()) {
   for (OwnedVec* vec : {&u_, &v_, &reaction_, &rhs_, &work_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
@@ -14,9 +14,19 @@ CondensedIntegrator::CondensedIntegrator(TissueOperator& tissue)
 }
 
 void CondensedIntegrator::touched(const Mesh& mesh, std::span<const int> cells) {
+  cells_.update(mesh, cells);
   const auto rows = tissue_.rows_of(mesh, cells);
   edited_.insert(edited_.end(), rows.begin(), rows.end());
   sort_unique(edited_);
+}
+
+StoredEnergy CondensedIntegrator::energy(const State& state) {
+  if (stored_of_ == StateVersion(state)) return stored_;
+  PetscScalar twice[2] = {0, 0};
+  cells_.stiffness_and_mass(state.u.get(), state.v.get(), work_.get(), rhs_.get());
+  check(VecDot(state.u.get(), work_.get(), &twice[0]));
+  check(VecDot(state.v.get(), rhs_.get(), &twice[1]));
+  return {0.5 * twice[1], 0.5 * twice[0]};
 }
 
 std::vector<int> CondensedIntegrator::dofs_of(const ConstraintSet& constraints) {
@@ -37,11 +47,11 @@ void CondensedIntegrator::push(const ConstraintSet& constraints, std::span<const
   }
 }
 
-void CondensedIntegrator::add_extra(Vec rhs) const {
-  Entries b(rhs);
-  for (std::size_t i = 0; i < extra_.size(); ++i) {
+void CondensedIntegrator::take_extra(Vec residual, std::span<const double> extra) const {
+  Entries r(residual);
+  for (std::size_t i = 0; i < extra.size(); ++i) {
     const int dof = near_.dofs()[i];
-    if (b.owns(dof)) b[dof] += extra_[i];
+    if (r.owns(dof)) r[dof] -= extra[i];
   }
 }
 

@@ -28,10 +28,14 @@ StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity) {
   return {alpha_m, 0.5 - beta, beta, 1 - gamma, gamma};
 }
 
-ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters)
-    : CondensedIntegrator(tissue),
+ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue,
+                                 const Mesh& mesh,
+                                 const TimeParameters& parameters)
+    : CondensedIntegrator(tissue, mesh),
       scheme_(coefficients(parameters.scheme, parameters.rho_infinity)),
-      k_(scheme_) {
+      k_(scheme_),
+      products_(tissue),
+      n_owned_(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof())) {
   for (OwnedVec* vec : {&u_guess_, &v_guess_, &increment_, &held_increment_, &rhs_base_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
@@ -41,6 +45,14 @@ ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& p
 void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   CondensedIntegrator::touched(mesh, cells);
   surrounding_ = tissue_.coupled(mesh, edited_);
+  if (state_ == nullptr || !damps_at_once()) return;
+  const auto rows = tissue_.rows_of(mesh, cells);
+  products_.edited(tissue_, *state_, rows, tissue_.coupled(mesh, rows));
+}
+
+// Comes before an edit: what is edited then are the products of this state.
+void ImplicitNewmark::complete_at(std::span<const int>) {
+  if (state_ != nullptr) products_.compare(*state_);
 }
 
 void ImplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
@@ -60,7 +72,8 @@ void ImplicitNewmark::make_operator() {
   const double shift_v = k_.g1 / (k_.c1 * h_);
   const double shift_a = (1 - k_.alpha_m) / (k_.c1 * h_ * h_);
   if (shift_v != shift_v_ || shift_a != shift_a_) {
-    tissue_.make_tangent(tissue_.tangent(shift_v, shift_a));
+    operator_ = tissue_.tangent(shift_v, shift_a);
+    tissue_.make_tangent(operator_);
     near_.forget();
   }
   shift_v_ = shift_v;
@@ -77,11 +90,19 @@ void ImplicitNewmark::make_operator() {
 void ImplicitNewmark::prepare() {
   make_operator();
   if (held_move_) {
-    check(MatMult(tissue_.tangent_matrix(), held_increment_.get(), work_.get()));
-    check(VecAXPY(rhs_base_.get(), -1, work_.get()));
+    cells_.stiffness_and_mass(held_increment_.get(), held_increment_.get(), work_.get(),
+                              rhs_.get());
+    check(VecAXPY(rhs_base_.get(), -operator_.stiffness, work_.get()));
+    check(VecAXPY(rhs_base_.get(), -operator_.mass, rhs_.get()));
   }
   check(VecCopy(rhs_base_.get(), rhs_.get()));
-  for (const auto& c : held_) set_owned(rhs_.get(), c.dof, 0);
+  {
+    Entries rhs(rhs_.get());
+    for (const auto& c : held_) {
+      if (rhs.owns(c.dof)) rhs[c.dof] = 0;
+    }
+  }
+  check(VecNorm(rhs_base_.get(), NORM_INFINITY, &largest_));
   near_.load(rhs_.get());
   u_near_.clear();
   v_near_.clear();
@@ -92,25 +113,66 @@ void ImplicitNewmark::prepare() {
 
 // Predictors from the start, the forces that they leave unbalanced, and increments of held dofs.
 void ImplicitNewmark::predict() {
-  const auto [u0, v0, a0] = from_;
-  check(VecCopy(u0, u_guess_.get()));
-  check(VecAXPY(u_guess_.get(), h_, v0));
-  check(VecAXPY(u_guess_.get(), h_ * h_ * k_.c0, a0));
-  check(VecWAXPY(v_guess_.get(), h_ * k_.g0, a0, v0));
-  const auto damping = tissue_.damping().value_or(RayleighDamping{});
-  // K (u + stiffness_factor v)
-  check(VecWAXPY(work_.get(), damping.stiffness_factor, v_guess_.get(), u_guess_.get()));
-  check(MatMult(tissue_.stiffness(), work_.get(), rhs_base_.get()));
-  // M (alpha_m a0 + mass_factor v)
-  if (k_.alpha_m != 0 || damping.mass_factor != 0) {
-    check(VecCopy(a0, work_.get()));
-    check(VecScale(work_.get(), k_.alpha_m));
-    check(VecAXPY(work_.get(), damping.mass_factor, v_guess_.get()));
-    tissue_.apply_mass(work_.get(), reaction_.get());
-    check(VecAXPY(rhs_base_.get(), 1, reaction_.get()));
+  if (damps_at_once()) {
+    predict_by_products();
+    hold();
+    return;
   }
-  check(VecAYPX(rhs_base_.get(), -1, load_));
+  const auto damping = tissue_.damping().value_or(RayleighDamping{});
+  const bool with_mass = k_.alpha_m != 0 || damping.mass_factor != 0;
+  {
+    const Values u0(from_.u);
+    const Values v0(from_.v);
+    const Values a0(from_.a);
+    Entries u(u_guess_.get());
+    Entries v(v_guess_.get());
+    Entries stretched(work_.get());
+    Entries moved(rhs_.get());
+    const double of_a = h_ * h_ * k_.c0;
+    const double of_v = h_ * k_.g0;
+    for (std::size_t i = 0; i < n_owned_; ++i) {
+      const double speed = v0.data()[i] + of_v * a0.data()[i];
+      const double place = u0.data()[i] + h_ * v0.data()[i] + of_a * a0.data()[i];
+      u.data()[i] = place;
+      v.data()[i] = speed;
+      stretched.data()[i] = place + damping.stiffness_factor * speed;
+      if (with_mass) moved.data()[i] = k_.alpha_m * a0.data()[i] + damping.mass_factor * speed;
+    }
+  }
+  // K (u + stiffness_factor v) + M (alpha_m a0 + mass_factor v)
+  if (with_mass) {
+    cells_.stiffness_and_mass(work_.get(), rhs_.get(), rhs_base_.get(), reaction_.get());
+    check(VecAXPBYPCZ(rhs_base_.get(), 1, -1, -1, load_, reaction_.get()));
+  } else {
+    cells_.stiffness(work_.get(), rhs_base_.get());
+    check(VecAYPX(rhs_base_.get(), -1, load_));
+  }
   hold();
+}
+
+// The same for backward Euler, without a product.
+void ImplicitNewmark::predict_by_products() {
+  products_.require(cells_, *state_);
+  const auto damping = tissue_.damping().value_or(RayleighDamping{});
+  const double stretch = h_ + damping.stiffness_factor;
+  const Values u0(state_->u.get());
+  const Values v0(state_->v.get());
+  const Values ku(products_.ku());
+  const Values kv(products_.kv());
+  const Values mv(products_.mv());
+  const Values load(load_);
+  Entries u(u_guess_.get());
+  Entries v(v_guess_.get());
+  Entries rhs(rhs_base_.get());
+  const double h = h_;
+  const double mass_factor = damping.mass_factor;
+  for (std::size_t i = 0; i < n_owned_; ++i) {
+    const double speed = v0.data()[i];
+    u.data()[i] = u0.data()[i] + h * speed;
+    v.data()[i] = speed;
+    rhs.data()[i] =
+        load.data()[i] - ku.data()[i] - stretch * kv.data()[i] - mass_factor * mv.data()[i];
+  }
 }
 
 // The unknown that gives a dof its displacement or velocity; u, v: its predictors.
@@ -127,11 +189,12 @@ double ImplicitNewmark::place(double end, double u, double v) const {
 void ImplicitNewmark::hold() {
   const Values u(u_guess_.get());
   const Values v(v_guess_.get());
+  Entries increment(held_increment_.get());
   double size[2] = {0, 0};  // increment, velocity
   for (const auto& c : held_) {
     if (!u.owns(c.dof)) continue;
     const double value = increment_of(c, u[c.dof], v[c.dof]);
-    set_owned(held_increment_.get(), c.dof, value);
+    increment[c.dof] = value;
     size[0] = std::max(size[0], std::abs(value));
     size[1] = std::max(size[1], std::abs(v[c.dof] + speed() * value));
   }
@@ -169,8 +232,17 @@ void ImplicitNewmark::accept() {
   if (!twice_ && !damps_at_once()) fit_given();
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
-  check(VecCopy(increment_.get(), state_->a.get()));
-  check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
+  {
+    const Values increment(increment_.get());
+    Entries a(state_->a.get());
+    const double factor = 1 / (k_.c1 * h_ * h_);
+    for (std::size_t i = 0; i < n_owned_; ++i) a.data()[i] = factor * increment.data()[i];
+  }
+  if (damps_at_once()) {
+    products_.swap();
+    products_.brought_to(*state_);
+    stored_of_ = StateVersion(*state_);
+  }
   state_->t += step_;
   released_ = had_mean_ && !has_mean_;
   had_mean_ = has_mean_;

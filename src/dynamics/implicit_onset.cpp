@@ -115,7 +115,7 @@ double ImplicitNewmark::damping_between_halves() {
     add(tissue_.damping()->mass_factor);
   }
   if (tissue_.damping()->stiffness_factor != 0) {
-    check(MatMult(tissue_.stiffness(), difference, work_.get()));
+    cells_.stiffness(difference, work_.get());
     add(tissue_.damping()->stiffness_factor);
   }
   return energy;

@@ -19,8 +19,10 @@ double dot(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-QuasiStatic::QuasiStatic(TissueOperator& tissue)
-    : CondensedIntegrator(tissue), held_u_(tissue.make_vector()) {
+QuasiStatic::QuasiStatic(TissueOperator& tissue, const Mesh& mesh)
+    : CondensedIntegrator(tissue, mesh),
+      held_u_(tissue.make_vector()),
+      balanced_(tissue.make_vector()) {
   check(VecSet(held_u_.get(), 0));
 }
 
@@ -79,16 +81,16 @@ void QuasiStatic::load_tissue() {
     near_.unload();
     return;
   }
-  check(MatMult(tissue_.stiffness(), held_u_.get(), rhs_.get()));
+  cells_.stiffness(held_u_.get(), rhs_.get());
   check(VecAYPX(rhs_.get(), -1, load_));
-  check(VecCopy(rhs_.get(), work_.get()));
+  check(VecCopy(rhs_.get(), balanced_.get()));
   {
-    Entries b(work_.get());
+    Entries b(balanced_.get());
     for (const auto& c : held_) {
       if (b.owns(c.dof)) b[c.dof] = 0;
     }
   }
-  near_.load(work_.get());
+  near_.load(balanced_.get());
 }
 
 void QuasiStatic::make_near(std::span<const int> dofs) {
@@ -161,10 +163,15 @@ Trial QuasiStatic::finish(bool whole) {
   whole_step_ = whole || loaded_;
   if (!whole_step_) return trial_;
   complete();
-  add_extra(rhs_.get());
-  near_.complete(tissue_.stiffness(), rhs_.get(), given_, weights_, solution_, u_.get(),
-                 work_.get());
-  fresh_ = true;  // of rhs_ and of the near field's solution for it
+  const auto balance = [&](Vec x, Vec residual) {
+    cells_.stiffness(x, residual);
+    check(VecAXPY(residual, -1, rhs_.get()));
+    take_extra(residual, extra_);
+  };
+  PetscReal largest = 0;
+  check(VecNorm(rhs_.get(), NORM_INFINITY, &largest));
+  near_.complete(balance, largest, extra_, given_, weights_, solution_, u_.get(), work_.get());
+  fresh_ = true;  // the near field may have solved for a correction
   collect_reactions(work_.get());
   if (loaded_) check(VecAXPY(u_.get(), 1, held_u_.get()));
   check(VecWAXPY(v_.get(), -1, state_->u.get(), u_.get()));
@@ -173,10 +180,13 @@ Trial QuasiStatic::finish(bool whole) {
   return trial_;
 }
 
-std::optional<double> QuasiStatic::strain_energy() const {
-  if (whole_step_) return std::nullopt;
-  const auto& x = solution_.x;
-  return 0.5 * (dot(x, near_.factored_forces(x)) + dot(x, near_.changed_forces(x)));
+StoredEnergy QuasiStatic::energy(const State& state) {
+  if (stored_of_ == StateVersion(state)) return stored_;
+  complete();
+  cells_.stiffness(state.u.get(), work_.get());
+  PetscScalar twice = 0;
+  check(VecDot(state.u.get(), work_.get(), &twice));
+  return {0, 0.5 * twice};
 }
 
 void QuasiStatic::accept() {
@@ -197,6 +207,13 @@ void QuasiStatic::accept() {
   }
   std::swap(last_pushed_, pushed_);
   pushed_ = near_.factored_forces(solution_.x);
+  if (whole_step_) {
+    stored_of_ = {};
+  } else {
+    const auto& x = solution_.x;
+    stored_ = {0, 0.5 * (dot(x, pushed_) + dot(x, near_.changed_forces(x)))};
+    stored_of_ = StateVersion(*state_);
+  }
   accepted_ = solution_.x;
   start_ = solution_.x;
   forced_.clear();

@@ -85,9 +85,9 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy)
     counts_.stable_step = integrator_->stable_step();
   } else {
     if (scene_.time.method == TimeMethod::quasi_static) {
-      integrator_ = std::make_unique<QuasiStatic>(*tissue_);
+      integrator_ = std::make_unique<QuasiStatic>(*tissue_, mesh());
     } else {
-      integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, scene_.time);
+      integrator_ = std::make_unique<ImplicitNewmark>(*tissue_, mesh(), scene_.time);
     }
   }
   base_ = conditions_.prescribed(0);
@@ -184,10 +184,10 @@ StepRecord Simulation::step_unguarded() {
   if (done_ || needle != this->needle() || motion().index() != action || state_.t >= next_strain_) {
     watch_strain();
   }
-  if (done_) {
-    ledger_.weigh(*tissue_, state_);
+  if (done_ && ledger_.unchecked()) {
+    ledger_.weigh(integrator_->energy(state_), *tissue_, state_);
   } else if (track_energy_ && ledger_.unchecked()) {
-    ledger_.measure(*tissue_, state_);
+    ledger_.measure(integrator_->energy(state_), *tissue_, state_);
   }
   record.t = state_.t;
   if (record.sub_steps > 0) ++counts_.steps;
@@ -451,7 +451,6 @@ double Simulation::prescribed_work(const Trial& trial) const {
 }
 
 void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& report) {
-  const auto strain = integrator_->strain_energy();
   const double external = report.work + trial.blow_work + (reaction_ ? prescribed_work(trial) : 0);
   const Vec load0 = load_changed_ ? last_load_.get() : nullptr;
   ledger_.add(*tissue_, state_, trial, h, load0, last_load_ ? load_.get() : nullptr, external,
@@ -460,11 +459,7 @@ void Simulation::accept(const Trial& trial, double h, const NeedleStepReport& re
   integrator_->accept();
   if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
   load_changed_ = false;
-  if (strain) {
-    ledger_.weigh(*strain);
-  } else if (ledger_.due()) {
-    ledger_.weigh(*tissue_, state_);
-  }
+  if (ledger_.due()) ledger_.weigh(integrator_->energy(state_), *tissue_, state_);
 }
 
 bool Simulation::edit_for_needle() {

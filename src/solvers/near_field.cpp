@@ -1,6 +1,7 @@
 #include "stylet/solvers/near_field.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
@@ -56,6 +57,7 @@ bool NearField::wants_factor() const {
 
 void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   held_.clear();
+  held_here_.clear();
   if (!correction_) check(MatCreateVecs(a, correction_.put(), nullptr));
   PetscInt begin = 0;
   PetscInt end = 0;
@@ -63,8 +65,11 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   std::vector<PetscInt> owned;
   for (const auto& c : held) {
     held_.insert(c.dof);
-    if (c.dof >= begin && c.dof < end) owned.push_back(c.dof - begin);
+    if (c.dof < begin || c.dof >= end) continue;
+    owned.push_back(c.dof - begin);
+    held_here_.push_back(c.dof);
   }
+  std::ranges::sort(held_here_);
   factored_.take(a, owned);
   whole_.factor(factored_.matrix());
   stale_ = false;
@@ -118,7 +123,11 @@ void NearField::grow(std::span<const int> dofs) {
   PetscBLASInt info = 0;
   LAPACKpotrf_("L", &bm, t.data(), &bm, &info);
   if (info == 0) LAPACKpotri_("L", &bm, t.data(), &bm, &info);
-  if (info != 0) {
+  int failed = info != 0 ? 1 : 0;
+  if (size_of(comm_) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm_));
+  }
+  if (failed != 0) {
     throw NumericalError(
         "the tissue near the needle cannot be condensed: its operator is singular or indefinite");
   }
@@ -267,6 +276,34 @@ NearField::Solution NearField::solve(std::span<const double> extra,
                                      std::span<const Given> given,
                                      std::span<const Given> weights,
                                      double value) {
+  if (size_of(comm_) == 1) return solve_here(extra, given, weights, value);
+  const std::size_t n = size();
+  Solution solution;
+  std::optional<Failure> failure;
+  try {
+    solution = solve_here(extra, given, weights, value);
+  } catch (const Error& error) {
+    failure = Failure{error.code(), error.what()};
+    valid_ = 0;
+  }
+  if (rank_of(comm_) != 0) failure.reset();
+  agree(comm_, failure);
+  std::vector<double> packed(2 * n + 1);
+  packed[0] = solution.lambda;
+  std::ranges::copy(solution.x, packed.begin() + 1);
+  std::ranges::copy(solution.reaction, packed.begin() + 1 + static_cast<std::ptrdiff_t>(n));
+  check_mpi(MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_));
+  solution.lambda = packed[0];
+  const auto middle = packed.begin() + 1 + static_cast<std::ptrdiff_t>(n);
+  solution.x.assign(packed.begin() + 1, middle);
+  solution.reaction.assign(middle, packed.end());
+  return solution;
+}
+
+NearField::Solution NearField::solve_here(std::span<const double> extra,
+                                          std::span<const Given> given,
+                                          std::span<const Given> weights,
+                                          double value) {
   static const LogEvent event("StyletCondense");
   const LogScope scope(event);
   const std::size_t n = size();

@@ -153,10 +153,10 @@ void WholeSolver::configure() {
 
 void WholeSolver::factor(Mat a) {
   loaded_ = false;
-  const bool same_layout = b_ && a == a_;
+  const bool same_layout = y_ && a == a_;
   a_ = a;
   if (!same_layout) {
-    for (OwnedVec* vec : {&b_, &y_, &rhs_, &column_, &work_})
+    for (OwnedVec* vec : {&y_, &rhs_, &column_, &work_})
       check(MatCreateVecs(a, vec->put(), nullptr));
   }
   if (configured_) {
@@ -288,7 +288,7 @@ std::vector<double> WholeSolver::inverse_entries(std::span<const int> rows,
 
 void WholeSolver::load(Vec b) {
   loaded_ = true;
-  check(VecCopy(b, b_.get()));
+  b_ = b;
   if (ours_) {
     cholesky_.load(b);
   } else {
@@ -314,7 +314,7 @@ void WholeSolver::respond(std::span<const int> dofs,
                           Vec x) {
   const bool with_load = add_loaded && loaded_;
   if (with_load && ours_) {
-    check(VecCopy(b_.get(), rhs_.get()));
+    check(VecCopy(b_, rhs_.get()));
   } else {
     check(VecSet(rhs_.get(), 0));
   }

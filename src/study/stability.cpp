@@ -188,7 +188,8 @@ class Study {
         time.scheme = scheme;
         const double h = factor * result_.middle_limit;
         result_.growths.push_back(
-            {scheme, factor, h, energy_growth(*tissue, held, v.get(), time, h, growth_steps)});
+            {scheme, factor, h,
+             energy_growth(*tissue, mesh, held, v.get(), time, h, growth_steps)});
         show(std::string("energy of ") + name_of(scheme));
       }
     }

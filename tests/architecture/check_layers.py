@@ -24,7 +24,7 @@ ONLY = {
 LIBRARIES = {
     r"yaml-cpp/": {"scene"},
     r"(hdf5|H5\w+|hdf5_hl)\.h": {"output"},
-    r"petsc/private/": {"dynamics/central_difference_ts.cpp"},
+    r"petsc/private/": {"dynamics/central_difference_ts.cpp", "dynamics/state_products.cpp"},
     r"petsc\w*\.h": {"petsc", "fem", "solvers", "dynamics", "output", "simulation",
                       "study", "app"},
     r"slepc\w*\.h": {"petsc", "solvers"},

@@ -62,7 +62,7 @@ struct Problem {
     OwnedVec load = body.tissue.make_vector();
     check(VecSet(load.get(), 0));
     if (!force.empty()) load = vector_of(body.tissue, force);
-    QuasiStatic integrator(body.tissue);
+    QuasiStatic integrator(body.tissue, body.mesh);
     State state = still(body.tissue);
     step(integrator, state, load.get(), 1, constraints);
     u = gather_all(state.u.get());

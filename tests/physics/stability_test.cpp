@@ -48,7 +48,7 @@ struct Frozen {
     TimeParameters time;
     time.scheme = scheme;
     time.rho_infinity = rho;
-    return energy_growth(*tissue, held, v.get(), time, h, 200);
+    return energy_growth(*tissue, simulation.mesh(), held, v.get(), time, h, 200);
   }
 
   Simulation simulation;

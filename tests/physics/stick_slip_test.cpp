@@ -63,7 +63,7 @@ class Block {
     if (is_explicit_) {
       integrator_ = std::make_unique<ExplicitNewmark>(body_.tissue, body_.mesh, time);
     } else {
-      integrator_ = std::make_unique<ImplicitNewmark>(body_.tissue, time);
+      integrator_ = std::make_unique<ImplicitNewmark>(body_.tissue, body_.mesh, time);
     }
     PetscScalar value = 0;
     check(MatGetValue(body_.tissue.stiffness(), dof_, dof_, &value));

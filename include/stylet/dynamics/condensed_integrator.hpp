@@ -2,6 +2,7 @@
 // (near_field.hpp), and one solve of the whole tissue ends the step.
 #pragma once
 
+#include "stylet/dynamics/state_products.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/solvers/near_field.hpp"
@@ -20,18 +21,19 @@ class CondensedIntegrator : public TimeIntegrator {
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
+  [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] std::string solver() const override { return near_.whole().name(); }
 
  protected:
   /// The tissue is lent.
-  explicit CondensedIntegrator(TissueOperator& tissue);
+  CondensedIntegrator(TissueOperator& tissue, const Mesh& mesh);
 
   /// Dofs that the constraints hold, push or weigh.
   [[nodiscard]] static std::vector<int> dofs_of(const ConstraintSet& constraints);
   /// extra_ = change and the constraints' forces; change: of near dofs.
   void push(const ConstraintSet& constraints, std::span<const double> change);
-  /// Adds extra_ to the right-hand side of the whole tissue.
-  void add_extra(Vec rhs) const;
+  /// Takes what was added to b at near dofs from a residual.
+  void take_extra(Vec residual, std::span<const double> extra) const;
   /// Displacement, velocity and reaction of the trial at near dofs; `u_of`, `v_of`: of the i-th.
   template <class Displacement, class Velocity>
   Trial near_trial(Displacement&& u_of, Velocity&& v_of);
@@ -39,7 +41,10 @@ class CondensedIntegrator : public TimeIntegrator {
   void collect_reactions(Vec residual);
 
   TissueOperator& tissue_;
+  CellOperator cells_;
   NearField near_;
+  StoredEnergy stored_;
+  StateVersion stored_of_;
   State* state_ = nullptr;
   Vec load_ = nullptr;
   double h_ = 0;

@@ -20,6 +20,9 @@
 // The first half carries the blow, the second one the forces after it. In backward Euler, where the
 // whole step has it, the blow is solved for with the mass alone and taken off the forces.
 //
+// Products with K and M are taken cell by cell. Backward Euler needs one pass a step: with K u1 and
+// M v1, which also give the energies, K v1 = (K u1 - K u0)/h and M a1 = (M v1 - M v0)/h.
+//
 // Misprint in the paper: its displacement update takes the new velocity, u1 = u0 + h v1 + ...; read
 // literally that is first order and unstable above omega h = 2/sqrt(3). It must be v0, as here.
 #pragma once
@@ -47,13 +50,14 @@ struct StepCoefficients {
 class ImplicitNewmark final : public CondensedIntegrator {
  public:
   /// The tissue is lent.
-  ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters);
+  ImplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int> nodes) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool whole) override;
   void accept() override;
+  void complete_at(std::span<const int> nodes) override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
 
  private:
@@ -66,6 +70,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   static constexpr double at_once = 1e-6;
 
   void predict();
+  void predict_by_products();
   void predict_edited();
   void refresh_near();
   void hold();
@@ -80,6 +85,9 @@ class ImplicitNewmark final : public CondensedIntegrator {
   [[nodiscard]] Trial both_halves(const HoldingForces& second);
   [[nodiscard]] double damping_between_halves();
   void complete_near();
+  void balance(Vec x, Vec residual);
+  void balance_by_products(Vec x, Vec residual);
+  void store_energy();
   void fit_given();
   void take_off_blow(const ConstraintSet& constraints);
   void blow_lumped(std::span<const DofValue> given, const MeanCondition* mean);
@@ -92,6 +100,10 @@ class ImplicitNewmark final : public CondensedIntegrator {
   double step_ = 0;     ///< h_ is of this stage: the step, or half of it
   double shift_v_ = 0;  ///< of the operator
   double shift_a_ = 0;
+  Combination operator_;
+  StateProducts products_;                  ///< with backward Euler
+  std::size_t n_owned_;                     ///< dofs
+  double largest_ = 0;                      ///< entry of rhs_base_
   bool fresh_ = true;                       ///< no trial yet
   bool twice_ = false;                      ///< this step is two half steps
   bool halfway_ = false;                    ///< this stage is the first of them

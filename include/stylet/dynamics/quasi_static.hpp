@@ -16,7 +16,7 @@ namespace stylet {
 class QuasiStatic final : public CondensedIntegrator {
  public:
   /// The tissue is lent.
-  explicit QuasiStatic(TissueOperator& tissue);
+  QuasiStatic(TissueOperator& tissue, const Mesh& mesh);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int> nodes) override;
@@ -25,7 +25,7 @@ class QuasiStatic final : public CondensedIntegrator {
   void accept() override;
   void complete() override;
   void complete_at(std::span<const int> nodes) override { watch(nodes); }
-  [[nodiscard]] std::optional<double> strain_energy() const override;
+  [[nodiscard]] StoredEnergy energy(const State& state) override;
 
  private:
   void factor();
@@ -49,6 +49,7 @@ class QuasiStatic final : public CondensedIntegrator {
   std::vector<double> last_pushed_;  ///< of the trial before
   std::vector<int> forced_;          ///< dofs that carried a force
   OwnedVec held_u_;
+  OwnedVec balanced_;  ///< the right-hand side that the near field has solved for
 };
 
 }  // namespace stylet

@@ -32,8 +32,10 @@ struct Trial {
   HoldingForces settled;
   /// The working forces are means over the step, and those at its start have no share in its work.
   bool means = false;
-  int iterations = 0;       ///< of linear solvers
-  double blow_work = 0;     ///< done in this step by blows, apart from the working forces (J)
+  int iterations = 0;    ///< of linear solvers
+  double blow_work = 0;  ///< done in this step by blows, apart from the working forces (J)
+  /// Of `finish`: done on all damping (J), where the integrator knows it.
+  std::optional<double> all_damping_work = std::nullopt;
   double damping_work = 0;  ///< done on the damping of mass (J)
   double load_work = 0;     ///< done by the load of its end (J)
 };
@@ -46,6 +48,12 @@ struct Trial {
   trial.needed = trial.working = trial.settled = forces;
   return trial;
 }
+
+/// What a state stores (J).
+struct StoredEnergy {
+  double kinetic = 0;
+  double strain = 0;
+};
 
 class TimeIntegrator {
  public:
@@ -79,9 +87,9 @@ class TimeIntegrator {
   /// Collective. At these nodes at least.
   virtual void complete_at(std::span<const int>) {}
 
-  /// Collective. Strain energy (J) of the last trial from what is known near the needle. None if the
-  /// step is whole: its displacements then tell.
-  [[nodiscard]] virtual std::optional<double> strain_energy() const { return std::nullopt; }
+  /// Collective, between `accept` and `begin`. Energy of the state; costs no product with K or M where
+  /// the step had them.
+  [[nodiscard]] virtual StoredEnergy energy(const State& state) = 0;
 
   /// What solves for the whole tissue, and who chose it; for the record.
   [[nodiscard]] virtual std::string solver() const { return "none"; }

@@ -9,13 +9,14 @@
 // f_D: forces on near dofs, changes of b after `load`, and what prescribed dofs and the mean
 // condition need. So a step costs one solve before its trials and one after them; a trial is dense
 // algebra on D. D only grows, by solves for columns of G, until it is worth factoring anew. All
-// ranks hold the dense matrices and compute the same.
+// ranks hold the dense matrices; what they decide on is what rank 0 makes of them.
 #pragma once
 
 #include "stylet/solvers/constraint_set.hpp"
 #include "stylet/solvers/eliminated.hpp"
 #include "stylet/solvers/whole_solver.hpp"
 
+#include <functional>
 #include <span>
 #include <unordered_map>
 #include <unordered_set>
@@ -48,7 +49,7 @@ class NearField {
   void include(std::span<const int> dofs);
   /// Collective. Rows and columns of these dofs differ from the factor's, among each other only.
   void changed(Mat a, std::span<const int> dofs);
-  /// Collective. b: zero at eliminated dofs.
+  /// Collective. b: zero at eliminated dofs; lent until the next load or unload.
   void load(Vec b);
   /// Collective. b = 0.
   void unload();
@@ -62,19 +63,24 @@ class NearField {
     std::vector<double> reaction;  ///< A x - b - lambda w at given dofs, zero elsewhere
     double lambda = 0;
   };
-  /// extra: added to b at the near dofs. weights: of near dofs, or empty; value: of their condition.
-  /// Throws NumericalError if it cannot be met.
+  /// Collective: rank 0's numbers, since contacts hang on them. extra: added to b at the near dofs.
+  /// weights: of near dofs, or empty; value: of their condition. Throws NumericalError if it cannot be
+  /// met.
   Solution solve(std::span<const double> extra,
                  std::span<const Given> given,
                  std::span<const Given> weights,
                  double value);
   /// Collective. x = A0^-1 times forces on the first near dofs.
   void respond(std::span<const double> forces, Vec x);
+  /// Collective. residual = A x - b
+  using Balance = std::function<void(Vec x, Vec residual)>;
   /// Collective. The whole x of a solution, and what its forces leave of A x - b: nothing but at
-  /// eliminated dofs. b: with what was `extra`. If the factor left too much the solution is refined,
-  /// and true returned: `load` has to be called anew. Throws NumericalError if that does not help.
-  bool complete(Mat a,
-                Vec b,
+  /// eliminated dofs; the last balance was of this x. largest: entry of b, without what was `extra`.
+  /// If the factor left too much the solution is refined, and true returned: `load` has to be called
+  /// anew. Throws NumericalError if that does not help.
+  bool complete(const Balance& balance,
+                double largest,
+                std::span<const double> extra,
                 std::span<const Given> given,
                 std::span<const Given> weights,
                 Solution& solution,
@@ -87,7 +93,12 @@ class NearField {
 
  private:
   void grow(std::span<const int> dofs);
+  [[nodiscard]] double largest_free(Vec residual) const;
   void expand(std::span<const double> x_near, Vec x);
+  [[nodiscard]] Solution solve_here(std::span<const double> extra,
+                                    std::span<const Given> given,
+                                    std::span<const Given> weights,
+                                    double value);
   void refactor_dense(const std::vector<bool>& masked);
   void substitute(std::vector<double>& x) const;
   [[nodiscard]] std::size_t size() const { return dofs_.size(); }
@@ -98,6 +109,7 @@ class NearField {
   Eliminated factored_;  ///< A0
   bool stale_ = true;
   std::unordered_set<int> held_;
+  std::vector<int> held_here_;  ///< those of owned dofs, ascending
   std::vector<int> dofs_;
   std::unordered_map<int, std::size_t> index_;
   std::vector<std::size_t> changed_;

@@ -46,7 +46,8 @@ class WholeSolver {
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
                                                     std::span<const int> columns);
 
-  /// Collective. y = A^-1 b, as far as `loaded` and `respond` need it.
+  /// Collective. y = A^-1 b, as far as `loaded` and `respond` need it. b is lent until the next load
+  /// or unload.
   void load(Vec b);
   /// b = 0.
   void unload();
@@ -86,7 +87,7 @@ class WholeSolver {
   const Split* split_ = nullptr;  ///< of the right-hand side that the KSP is solving for
   int iterations_ = 0;
   bool loaded_ = false;
-  OwnedVec b_;
+  Vec b_ = nullptr;
   OwnedVec y_;  ///< unless ours
   OwnedVec rhs_;
   OwnedVec column_;  ///< of the inverse

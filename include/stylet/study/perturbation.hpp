@@ -55,6 +55,7 @@ struct EnergyGrowth {
 
 /// Collective. Free motion by ImplicitNewmark in n_steps steps of h (s).
 [[nodiscard]] EnergyGrowth energy_growth(TissueOperator& tissue,
+                                         const Mesh& mesh,
                                          const ConstraintSet& constraints,
                                          Vec velocities,
                                          const TimeParameters& time,
