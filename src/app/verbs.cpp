@@ -4,7 +4,6 @@
 #include "stylet/base/fingerprint.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
-#include "stylet/dynamics/modes.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/loader.hpp"
@@ -12,6 +11,7 @@
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
 #include "stylet/simulation/simulation.hpp"
+#include "stylet/solvers/modes.hpp"
 
 #include <cstdio>
 #include <filesystem>

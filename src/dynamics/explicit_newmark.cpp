@@ -26,8 +26,9 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     : tissue_(tissue),
       safety_(parameters.safety),
       damping_(tissue.damping().value_or(RayleighDamping{})),
-      bound_(tissue) {
-  for (OwnedVec* vec : {&u_, &v_, &a_, &needed_, &working_, &settled_}) {
+      bound_(tissue),
+      cells_(mesh, tissue) {
+  for (OwnedVec* vec : {&u_, &v_, &a_, &needed_, &working_, &settled_, &work_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -35,7 +36,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += 2) {
     node_mass_.push_back(masses[dof]);
   }
-  make_kernel(mesh);
+  make_room();
   const double undamped = safety_ * stylet::stable_step(bound_.value(), 0);
   constexpr double hopeless = 0.02;
   if (stable_step() < hopeless * undamped) {
@@ -56,22 +57,28 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   check(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
 }
 
-void ExplicitNewmark::make_kernel(const Mesh& mesh) {
-  cells_ = CellKernel(mesh, tissue_);
-  const std::vector<int>& ghosts = cells_.nodes().ghosts();
-  check(VecCreateGhostBlock(tissue_.comm(), 2, tissue_.end_dof() - tissue_.first_dof(),
-                            tissue_.n_dofs(), static_cast<PetscInt>(ghosts.size()), ghosts.data(),
-                            stretched_.put()));
-  if (size_of(tissue_.comm()) > 1) force_.resize(2 * cells_.nodes().n_all());
+// With the kernel's ghosts.
+void ExplicitNewmark::make_room() {
+  stretched_ = cells_.make_ghosted();
+  if (size_of(tissue_.comm()) > 1) force_.resize(2 * cells_.kernel().nodes().n_all());
 }
 
-// True if it is so on all ranks.
-bool ExplicitNewmark::agreed(bool yes) const {
-  int all = yes ? 1 : 0;
-  if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, tissue_.comm()));
+StoredEnergy ExplicitNewmark::energy(const State& state) {
+  cells_.stiffness(state.u.get(), work_.get());
+  double twice[2] = {0, 0};
+  {
+    const Values u(state.u.get());
+    const Values v(state.v.get());
+    const Values force(work_.get());
+    for (std::size_t i = 0; i < 2 * node_mass_.size(); ++i) {
+      twice[0] += node_mass_[i / 2] * v.data()[i] * v.data()[i];
+      twice[1] += u.data()[i] * force.data()[i];
+    }
   }
-  return all == 1;
+  if (size_of(tissue_.comm()) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, twice, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+  }
+  return {0.5 * twice[0], 0.5 * twice[1]};
 }
 
 double ExplicitNewmark::stable_step() const {
@@ -81,7 +88,7 @@ double ExplicitNewmark::stable_step() const {
 void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   const auto changed = tissue_.rows_of(mesh, cells);
   const auto rows = tissue_.coupled(mesh, changed);
-  if (!agreed(cells_.update(mesh, tissue_, cells))) make_kernel(mesh);
+  if (cells_.update(mesh, cells)) make_room();
   bound_.update(changed, rows);
   const Values masses(tissue_.lumped_mass());
   for (const int node : changed) {
@@ -173,12 +180,15 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
                         node_mass_.data(), bound_.inverse_roots().data() + first});
   };
   if (alone) {
-    lend([&](const ExplicitArrays& x) { step(x, factors, cells_, given_, pressure_, sums); });
+    lend([&](const ExplicitArrays& x) {
+      step(x, factors, cells_.kernel(), given_, pressure_, sums);
+    });
   } else {
     lend([&](const ExplicitArrays& x) { predict(x, factors, given_, sums); });
     check(VecGhostUpdateBegin(stretched_.get(), INSERT_VALUES, SCATTER_FORWARD));
     check(VecGhostUpdateEnd(stretched_.get(), INSERT_VALUES, SCATTER_FORWARD));
-    lend([&](const ExplicitArrays& x) { accelerate(x, factors, cells_, pressure_, sums); });
+    lend(
+        [&](const ExplicitArrays& x) { accelerate(x, factors, cells_.kernel(), pressure_, sums); });
   }
   // v of the half step times M v of the end, since M a is the force of the end.
   const double half = 0.5 * h;
@@ -263,21 +273,26 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
   Entries needed(needed_.get());
   Entries working(working_.get());
   Entries settled(settled_.get());
-  Entries mass(tissue_.lumped_mass());
+  const Values mass(tissue_.lumped_mass());
   for (const int dof : written_) needed[dof] = working[dof] = settled[dof] = 0;
   written_.clear();
   const int first = tissue_.first_dof();
   const double damped = 1 + 0.5 * h_ * damping_.mass_factor;
+  const double per_step = 2 * damped / h_;
   const double half = 0.5 * h_;
   damping_work_ = free_damping_work_;
   blow_work_ = 0;
   // The first record of a dof holds its free value; restored in reverse, it is written last.
+  overridden_.reserve(overridden_.size() + dofs_.size() + constraints.forces.size());
+  written_.reserve(dofs_.size());
   const auto change = [&](int dof, double new_v, double new_a) {
-    overridden_.push_back({dof - first, v[dof], a[dof]});
-    const double half_velocity = v[dof] - half * a[dof];
-    damping_work_ += damping_.mass_factor * half * mass[dof] * (new_v - v[dof]) * half_velocity;
-    v[dof] = new_v;
-    a[dof] = new_a;
+    double& old_v = v[dof];
+    double& old_a = a[dof];
+    overridden_.push_back({dof - first, old_v, old_a});
+    const double half_velocity = old_v - half * old_a;
+    damping_work_ += damping_.mass_factor * half * mass[dof] * (new_v - old_v) * half_velocity;
+    old_v = new_v;
+    old_a = new_a;
   };
   for (const auto& [dof, force] : constraints.forces) {
     if (!v.owns(dof)) continue;
@@ -293,7 +308,7 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
     const double m = mass[c.dof];
     const double given = c.velocity ? c.value : v[c.dof] - half * a[c.dof];
     const double excess = v[c.dof] - given;
-    const double before = -m * damped * 2 * excess / h_;
+    const double before = -m * per_step * excess;
     const double after = -m * (a[c.dof] + damping_.mass_factor * excess);
     needed[c.dof] = before;
     working[c.dof] = 0.5 * (before + after);

@@ -14,7 +14,7 @@ namespace stylet {
 bool ImplicitNewmark::needle_begins(const ConstraintSet& constraints) {
   needle_dofs_.assign(constraints.dofs.begin(), constraints.dofs.end());
   has_mean_ = constraints.mean.has_value();
-  if (!inertia_ || (damps_at_once() && !has_mean_)) return false;
+  if (damps_at_once() && !has_mean_) return false;
   // Not in the step that lets go itself: its search for the advance needs a gap without jumps.
   if (fresh_ && released_ && !damps_at_once()) return true;
   std::vector<int> dofs;
@@ -96,9 +96,8 @@ void ImplicitNewmark::take_off_blow(const ConstraintSet& constraints) {
   if (tissue_.mass() != nullptr) {
     if (!mass_solver_) mass_solver_.emplace(tissue_.comm());
     check(VecSet(work_.get(), 0));
-    const auto result = mass_solver_->solve(tissue_.mass(), work_.get(), given,
-                                            mean ? &*mean : nullptr, jump_.get(), blow_.get());
-    blow_lambda_ = result.lambda;
+    blow_lambda_ = mass_solver_->solve(tissue_.mass(), work_.get(), given, mean ? &*mean : nullptr,
+                                       jump_.get(), blow_.get());
   } else {
     blow_lumped(given, mean ? &*mean : nullptr);
   }

@@ -1,5 +1,6 @@
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/solvers/mass_solver.hpp"
 
 #include <vector>
 
@@ -24,7 +25,7 @@ void initial_acceleration(const TissueOperator& tissue,
   std::vector<DofValue> given;
   for (const auto& c : constraints.dofs) given.push_back({c.dof, 0.0});
   if (tissue.mass() != nullptr) {
-    ConstrainedSolver solver(tissue.comm());
+    MassSolver solver(tissue.comm());
     solver.solve(tissue.mass(), rhs.get(), given, nullptr, state.a.get(), work.get());
     return;
   }

@@ -5,7 +5,6 @@
 #include "stylet/petsc/entries.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <unordered_map>
 
 namespace stylet {
@@ -20,22 +19,11 @@ double dot(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-QuasiStatic::QuasiStatic(TissueOperator& tissue)
-    : tissue_(tissue), near_(tissue.comm(), tissue.n_dofs()) {
-  for (OwnedVec* vec : {&u_, &v_, &reaction_, &rhs_, &work_, &held_u_}) {
-    *vec = tissue.make_vector();
-    check(VecSet(vec->get(), 0));
-  }
-}
-
-double QuasiStatic::stable_step() const {
-  return std::numeric_limits<double>::infinity();
-}
-
-void QuasiStatic::touched(const Mesh& mesh, std::span<const int> cells) {
-  const auto rows = tissue_.rows_of(mesh, cells);
-  edited_.insert(edited_.end(), rows.begin(), rows.end());
-  sort_unique(edited_);
+QuasiStatic::QuasiStatic(TissueOperator& tissue, const Mesh& mesh)
+    : CondensedIntegrator(tissue, mesh),
+      held_u_(tissue.make_vector()),
+      balanced_(tissue.make_vector()) {
+  check(VecSet(held_u_.get(), 0));
 }
 
 void QuasiStatic::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
@@ -93,16 +81,16 @@ void QuasiStatic::load_tissue() {
     near_.unload();
     return;
   }
-  check(MatMult(tissue_.stiffness(), held_u_.get(), rhs_.get()));
+  cells_.stiffness(held_u_.get(), rhs_.get());
   check(VecAYPX(rhs_.get(), -1, load_));
-  check(VecCopy(rhs_.get(), work_.get()));
+  check(VecCopy(rhs_.get(), balanced_.get()));
   {
-    Entries b(work_.get());
+    Entries b(balanced_.get());
     for (const auto& c : held_) {
       if (b.owns(c.dof)) b[c.dof] = 0;
     }
   }
-  near_.load(work_.get());
+  near_.load(balanced_.get());
 }
 
 void QuasiStatic::make_near(std::span<const int> dofs) {
@@ -121,12 +109,12 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
 
 void QuasiStatic::watch(std::span<const int> nodes) {
   // Before the first step the state is whole.
-  if (state_ != nullptr && !near_.wants_factor()) make_near(dofs_of(nodes));
+  if (state_ != nullptr && !near_.wants_factor()) make_near(stylet::dofs_of(nodes));
 }
 
 // What edits moved is near; what their elements touch becomes so.
 void QuasiStatic::take_edits() {
-  const std::vector<int> dofs = dofs_of(edited_);
+  const std::vector<int> dofs = stylet::dofs_of(edited_);
   make_near(dofs);
   edited_.clear();
   near_.changed(tissue_.stiffness(), dofs);
@@ -143,18 +131,8 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
     take_edits();
     load_tissue();
   }
-  std::vector<int> dofs;
-  for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
-  for (const auto& [dof, force] : constraints.forces) dofs.push_back(dof);
-  if (constraints.mean) {
-    for (const auto& [dof, weight] : constraints.mean->weights) dofs.push_back(dof);
-  }
-  make_near(dofs);
-  const std::size_t n = near_.dofs().size();
-  extra_.assign(n, 0.0);
-  for (const auto& [dof, force] : constraints.forces) {
-    if (!near_.eliminated(dof)) extra_[near_.at(dof)] += force;
-  }
+  make_near(dofs_of(constraints));
+  push(constraints, {});
   given_.clear();
   for (const auto& c : constraints.dofs) {
     const std::size_t at = near_.at(c.dof);
@@ -175,19 +153,9 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
     if (weights_.empty()) throw_all_held();
   }
   solution_ = near_.solve(extra_, given_, weights_, value);
-  {
-    Entries u(u_.get());
-    Entries v(v_.get());
-    Entries reaction(reaction_.get());
-    for (std::size_t i = 0; i < n; ++i) {
-      const int dof = near_.dofs()[i];
-      if (!u.owns(dof)) continue;
-      u[dof] = solution_.x[i];
-      v[dof] = (solution_.x[i] - start_[i]) / h_;
-      reaction[dof] = solution_.reaction[i];
-    }
-  }
-  trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
+  trial_ = near_trial([&](std::size_t i) { return solution_.x[i]; },
+                      [&](std::size_t i) { return (solution_.x[i] - start_[i]) / h_; });
+  trial_.iterations = near_.take_iterations();
   return trial_;
 }
 
@@ -195,28 +163,16 @@ Trial QuasiStatic::finish(bool whole) {
   whole_step_ = whole || loaded_;
   if (!whole_step_) return trial_;
   complete();
-  {
-    Entries b(rhs_.get());
-    for (std::size_t i = 0; i < extra_.size(); ++i) {
-      const int dof = near_.dofs()[i];
-      if (b.owns(dof)) b[dof] += extra_[i];
-    }
-  }
-  near_.complete(tissue_.stiffness(), rhs_.get(), given_, weights_, solution_, u_.get(),
-                 work_.get());
-  fresh_ = true;  // of rhs_ and of the near field's solution for it
-  check(VecSet(reaction_.get(), 0));
-  {
-    Entries reaction(reaction_.get());
-    const Values residual(work_.get());
-    for (const auto& c : held_) {
-      if (residual.owns(c.dof)) reaction[c.dof] = residual[c.dof];
-    }
-    for (const auto& g : given_) {
-      const int dof = near_.dofs()[g.at];
-      if (residual.owns(dof)) reaction[dof] = solution_.reaction[g.at];
-    }
-  }
+  const auto balance = [&](Vec x, Vec residual) {
+    cells_.stiffness(x, residual);
+    check(VecAXPY(residual, -1, rhs_.get()));
+    take_extra(residual, extra_);
+  };
+  PetscReal largest = 0;
+  check(VecNorm(rhs_.get(), NORM_INFINITY, &largest));
+  near_.complete(balance, largest, extra_, given_, weights_, solution_, u_.get(), work_.get());
+  fresh_ = true;  // the near field may have solved for a correction
+  collect_reactions(work_.get());
   if (loaded_) check(VecAXPY(u_.get(), 1, held_u_.get()));
   check(VecWAXPY(v_.get(), -1, state_->u.get(), u_.get()));
   check(VecScale(v_.get(), 1 / h_));
@@ -224,10 +180,13 @@ Trial QuasiStatic::finish(bool whole) {
   return trial_;
 }
 
-std::optional<double> QuasiStatic::strain_energy() const {
-  if (whole_step_) return std::nullopt;
-  const auto& x = solution_.x;
-  return 0.5 * (dot(x, near_.factored_forces(x)) + dot(x, near_.changed_forces(x)));
+StoredEnergy QuasiStatic::energy(const State& state) {
+  if (stored_of_ == StateVersion(state)) return stored_;
+  complete();
+  cells_.stiffness(state.u.get(), work_.get());
+  PetscScalar twice = 0;
+  check(VecDot(state.u.get(), work_.get(), &twice));
+  return {0, 0.5 * twice};
 }
 
 void QuasiStatic::accept() {
@@ -248,6 +207,13 @@ void QuasiStatic::accept() {
   }
   std::swap(last_pushed_, pushed_);
   pushed_ = near_.factored_forces(solution_.x);
+  if (whole_step_) {
+    stored_of_ = {};
+  } else {
+    const auto& x = solution_.x;
+    stored_ = {0, 0.5 * (dot(x, pushed_) + dot(x, near_.changed_forces(x)))};
+    stored_of_ = StateVersion(*state_);
+  }
   accepted_ = solution_.x;
   start_ = solution_.x;
   forced_.clear();

@@ -362,7 +362,11 @@ Combination TissueOperator::tangent(double shift_v, double shift_a) const {
 
 void TissueOperator::make_tangent(Combination combination) {
   tangent_combination_ = combination;
-  check(MatDuplicate(stiffness_.get(), MAT_COPY_VALUES, tangent_.put()));
+  if (tangent_) {  // the same object: its factor keeps its pattern
+    check(MatCopy(stiffness_.get(), tangent_.get(), SAME_NONZERO_PATTERN));
+  } else {
+    check(MatDuplicate(stiffness_.get(), MAT_COPY_VALUES, tangent_.put()));
+  }
   check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
   check(MatSetOption(tangent_.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
   check(MatScale(tangent_.get(), combination.stiffness));

@@ -19,7 +19,7 @@ ContactWork::Sums ContactWork::book(const NeedleStep& step,
                                     double end_weight) {
   Sums sums;
   // Forces that have ended worked on the way to the end of the step.
-  for (const auto& last : last_) force_on(forces, last.node);
+  for (const auto& last : last_) static_cast<void>(force_on(forces, last.node));
   const double hand = step.to - step.from;
   for (const auto& now : forces) {
     const auto found = std::ranges::find(last_, now.node, &NodeForce::node);

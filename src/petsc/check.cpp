@@ -33,9 +33,10 @@ void check(PetscErrorCode code, const char* file, int line) {
   if (text != nullptr) message += std::string(": ") + text;  // PETSC_ERR_USER has none
   if (specific != nullptr && *specific != '\0') message += std::string(": ") + specific;
   message += std::string(" (") + file + ":" + std::to_string(line) + ")";
-  // Options: a name behind -ksp_type or -pc_type that PETSc does not have, values that do not fit.
-  const bool is_input =
-      code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_USER || code == PETSC_ERR_USER_INPUT;
+  // Options: a name behind -ksp_type, -pc_type or -pc_factor_mat_solver_type that PETSc does not have, values
+  // that do not fit.
+  const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_MISSING_FACTOR ||
+                        code == PETSC_ERR_USER || code == PETSC_ERR_USER_INPUT;
   throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
 }
 

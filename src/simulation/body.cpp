@@ -36,11 +36,8 @@ std::unique_ptr<TimeIntegrator> make_integrator(TissueOperator& tissue,
   if (time.method == TimeMethod::explicit_newmark) {
     return std::make_unique<ExplicitNewmark>(tissue, mesh, time);
   }
-  if (time.method == TimeMethod::quasi_static &&
-      NearField::serves(tissue.comm(), tissue.n_dofs())) {
-    return std::make_unique<QuasiStatic>(tissue);
-  }
-  return std::make_unique<ImplicitNewmark>(tissue, time);
+  if (time.method == TimeMethod::quasi_static) return std::make_unique<QuasiStatic>(tissue, mesh);
+  return std::make_unique<ImplicitNewmark>(tissue, mesh, time);
 }
 
 OwnedVec zeros(const TissueOperator& tissue) {
@@ -241,7 +238,6 @@ double Body::prescribed_work(const Trial& trial) const {
 }
 
 void Body::accept(const Trial& trial, double work, double dissipated) {
-  const auto strain = integrator_->strain_energy();
   const double external = work + trial.blow_work + (reaction_ ? prescribed_work(trial) : 0);
   const Vec load0 = load_changed_ ? last_load_.get() : nullptr;
   ledger_.add(*tissue_, state_, trial, h_, load0, last_load_ ? load_.get() : nullptr, external,
@@ -250,18 +246,16 @@ void Body::accept(const Trial& trial, double work, double dissipated) {
   integrator_->accept();
   if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
   load_changed_ = false;
-  if (strain) {
-    ledger_.weigh(*strain);
-  } else if (ledger_.due()) {
-    ledger_.weigh(*tissue_, state_);
-  }
+  if (ledger_.due()) ledger_.weigh(integrator_->energy(state_), *tissue_, state_);
 }
 
 void Body::weigh(bool check) {
+  if (!ledger_.unchecked()) return;
+  const StoredEnergy stored = integrator_->energy(state_);
   if (check) {
-    ledger_.weigh(*tissue_, state_);
-  } else if (ledger_.unchecked()) {
-    ledger_.measure(*tissue_, state_);
+    ledger_.weigh(stored, *tissue_, state_);
+  } else {
+    ledger_.measure(stored, *tissue_, state_);
   }
 }
 

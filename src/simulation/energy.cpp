@@ -53,11 +53,6 @@ double kinetic_energy(const TissueOperator& tissue, Vec v, Vec work) {
   return 0.5 * dot(v, work);
 }
 
-double strain_energy(const TissueOperator& tissue, Vec u, Vec work) {
-  check(MatMult(tissue.stiffness(), u, work));
-  return 0.5 * dot(u, work);
-}
-
 double EnergyLedger::within(const TissueOperator& tissue,
                             std::span<const int> nodes,
                             const State& state) const {
@@ -146,12 +141,14 @@ void EnergyLedger::add(const TissueOperator& tissue,
   const bool damped = inertia_ && tissue.damping();
   const RayleighDamping damping = damped ? *tissue.damping() : RayleighDamping{};
   energies_.dissipated += end.damping_work;
-  const bool damps_mass = damping.mass_factor != 0 && !is_explicit_;
+  if (end.all_damping_work) energies_.dissipated += *end.all_damping_work;
+  const bool damps_mass = damping.mass_factor != 0 && !is_explicit_ && !end.all_damping_work;
+  const bool damps_stiffness = damping.stiffness_factor != 0 && !end.all_damping_work;
   // A load that stands has its work from the pass of the explicit step.
   const bool passed = is_explicit_ && load0 == nullptr;
   if (passed) energies_.external += end.load_work;
   const bool loaded = load1 != nullptr && !passed;
-  if (!damps_mass && damping.stiffness_factor == 0 && !loaded) return;
+  if (!damps_mass && !damps_stiffness && !loaded) return;
   check(VecWAXPY(increment_.get(), -1, start.u.get(), end.u));
   if (loaded) {
     const double at_end = dot(load1, increment_.get());
@@ -166,7 +163,7 @@ void EnergyLedger::add(const TissueOperator& tissue,
     tissue.apply_mass(increment_.get(), work_.get());
     energies_.dissipated += damping.mass_factor * dot(increment_.get(), work_.get()) / h;
   }
-  if (damping.stiffness_factor != 0) {
+  if (damps_stiffness) {
     check(MatMult(tissue.stiffness(), increment_.get(), work_.get()));
     const double own = dot(increment_.get(), work_.get()) / h;
     const double done = is_explicit_ ? 0.5 * (own + dot(half_velocity_.get(), work_.get())) : own;
@@ -200,24 +197,20 @@ double EnergyLedger::onset_work(
   return h * h / 8 * sum;
 }
 
-void EnergyLedger::measure(const TissueOperator& tissue, const State& state) {
+void EnergyLedger::measure(const StoredEnergy& stored,
+                           const TissueOperator& tissue,
+                           const State& state) {
   static const LogEvent event("StyletEnergy");
   const LogScope scope(event);
-  if (inertia_) {
-    energies_.kinetic = kinetic_energy(tissue, state.v.get(), work_.get());
-  }
-  energies_.strain = strain_energy(tissue, state.u.get(), work_.get());
+  energies_.kinetic = stored.kinetic;
+  energies_.strain = stored.strain;
   if (is_explicit_) swing_ = 0.25 * h_ * h_ * kinetic_energy(tissue, state.a.get(), work_.get());
 }
 
-void EnergyLedger::weigh(const TissueOperator& tissue, const State& state) {
-  if (unchecked_ == 0) return;
-  measure(tissue, state);
-  compare();
-}
-
-void EnergyLedger::weigh(double strain) {
-  energies_.strain = strain;
+void EnergyLedger::weigh(const StoredEnergy& stored,
+                         const TissueOperator& tissue,
+                         const State& state) {
+  measure(stored, tissue, state);
   compare();
 }
 

@@ -369,6 +369,7 @@ ordered_json summarise(MPI_Comm comm,
   if (const auto& mesh = simulation.numbered().file_fingerprint; !mesh.empty()) {
     summary["fingerprints"]["mesh"] = mesh;
   }
+  summary["solver"] = simulation.body().solver();
   summary["solver_options"] = solver_options();
   summary["versions"] = {
       {"stylet", STYLET_VERSION},

@@ -43,7 +43,6 @@ bool shorten(Body& body, Hand& hand, Needle* needle, NeedleStep& step) {
 // Rounds of edits, solve and review until every contact and the cut agree with the motion. Returns the
 // nodes that the needle loads.
 std::vector<int> settle(Body& body, Hand& hand, Needle* needle, NeedleStep& step, SubStep& result) {
-  const Mesh& mesh = body.mesh();
   std::vector<int> loaded;
   for (;;) {
     const bool edited = needle != nullptr && edit(body, *needle);

@@ -2,12 +2,12 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/dynamics/explicit_newmark.hpp"
-#include "stylet/dynamics/modes.hpp"
 #include "stylet/needle/advance.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/simulation.hpp"
+#include "stylet/solvers/modes.hpp"
 #include "stylet/study/identity.hpp"
 
 #include <nlohmann/json.hpp>
@@ -188,7 +188,8 @@ class Study {
         time.scheme = scheme;
         const double h = factor * result_.middle_limit;
         result_.growths.push_back(
-            {scheme, factor, h, energy_growth(*tissue, held, v.get(), time, h, growth_steps)});
+            {scheme, factor, h,
+             energy_growth(*tissue, mesh, held, v.get(), time, h, growth_steps)});
         show(std::string("energy of ") + name_of(scheme));
       }
     }

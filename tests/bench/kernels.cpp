@@ -2,11 +2,12 @@
 // triangles), on one rank. "triangles" is a counter of each row.
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/explicit_step.hpp"
-#include "stylet/dynamics/near_field.hpp"
+#include "stylet/fem/cell_operator.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/model.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include "support/scenes.hpp"
 
@@ -102,6 +103,24 @@ void stiffness(benchmark::State& state, bool in_blocks, const std::vector<std::s
   const OwnedVec x = ones(*on.tissue);
   OwnedVec y = on.tissue->make_vector();
   for (auto _ : state) check(MatMult(matrix, x.get(), y.get()));
+}
+
+// The same cell by cell, as implicit steps need it, and with M v beside it.
+void cells(benchmark::State& state, bool with_mass, const std::vector<std::string>& overrides) {
+  std::vector<std::string> all{"time.method=implicit"};
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  const Tissue on = make(state, all);
+  CellOperator operator_(on.numbered.mesh, *on.tissue);
+  const OwnedVec x = ones(*on.tissue);
+  OwnedVec y = on.tissue->make_vector();
+  OwnedVec z = on.tissue->make_vector();
+  for (auto _ : state) {
+    if (with_mass) {
+      operator_.stiffness_and_mass(x.get(), x.get(), y.get(), z.get());
+    } else {
+      operator_.stiffness(x.get(), y.get());
+    }
+  }
 }
 
 // K u with the rest of the step.
@@ -220,9 +239,12 @@ void register_all() {
   sizes(RegisterBenchmark("triad", triad), {});
   sizes(RegisterBenchmark("K_u_aij", stiffness, false, plain), {0, 2, 3, 5});
   sizes(RegisterBenchmark("K_u_baij", stiffness, true, plain), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("K_u_cells", cells, false, plain), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("K_u_and_M_v_cells", cells, true, plain), {0, 2, 3, 5});
   sizes(RegisterBenchmark("explicit_step", explicit_step, plain), {0, 2, 3, 5});
   sizes(RegisterBenchmark("K_u_aij_averaged", stiffness, false, averaged), {0, 2, 3, 5});
   sizes(RegisterBenchmark("K_u_baij_averaged", stiffness, true, averaged), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("K_u_cells_averaged", cells, false, averaged), {0, 2, 3, 5});
   sizes(RegisterBenchmark("explicit_step_averaged", explicit_step, averaged), {0, 2, 3, 5});
   sizes(RegisterBenchmark("edit", edit), {0, 2, 3, 5});
   sizes(RegisterBenchmark("factor", factor), {0, 2, 3});

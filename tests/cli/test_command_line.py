@@ -4,7 +4,7 @@ import json
 import re
 import unittest
 
-from stylet_cli import BLOCK_SCENE, DONE, NEEDLE_SCENE, CliTest, block_mesh
+from stylet_cli import BLOCK_SCENE, DONE, NEEDLE_SCENE, CliTest, block_mesh, on_ranks
 
 
 class CommandLine(CliTest):
@@ -88,6 +88,36 @@ class CommandLine(CliTest):
                     "time.step=0.1 ms"]
         outcome = self.stylet("run", "block.yaml", "--force", *implicit, "--", "-ts_monitor")
         self.assert_refused(outcome, "-ts_monitor", "not used by any solver")
+
+    def test_looking_changes_nothing(self):
+        # Bytes, not numbers: a solver that is looked at is the same solver.
+        for n in (1, 2):
+            files = []
+            for number, options in enumerate([[], ["-ksp_view", "-ksp_monitor",
+                                                   "-ksp_converged_reason", "-log_view"]]):
+                out = self.folder / f"look{n}{number}"
+                outcome = on_ranks(n, self.folder, "run", "scene.yaml", "--output", out, "--",
+                                   *options)
+                self.assert_code(outcome, DONE)
+                if options:
+                    for said in ("KSP Object", "KSP Residual norm", "Linear solve converged",
+                                 "CHOLMOD's factor"):
+                        self.assertIn(said, outcome.out)
+                files.append((out / "history.csv").read_bytes())
+                summary = json.loads((out / "summary.json").read_text())
+                self.assertEqual(summary["solver"], "preonly, cholmod on every rank, by size")
+            self.assertEqual(files[0], files[1])
+
+    def test_another_solver_is_named_in_the_summary(self):
+        for options, name in ((["-pc_factor_mat_solver_type", "mumps"], "preonly, cholesky (mumps)"),
+                              (["-pc_type", "gamg"], "cg, gamg")):
+            self.assert_code(self.stylet("run", "block.yaml", "--output", name, "--", *options), DONE)
+            summary = json.loads((self.folder / name / "summary.json").read_text())
+            self.assertEqual(summary["solver"], name + ", by options")
+
+    def test_factor_that_no_package_has_is_bad_input(self):
+        outcome = self.stylet("run", "block.yaml", "--", "-pc_factor_mat_solver_type", "nonsense")
+        self.assert_refused(outcome, "nonsense")
 
     def test_unused_petsc_option(self):
         outcome = self.stylet("run", "block.yaml", "--", "-ksp_tpye", "cg")

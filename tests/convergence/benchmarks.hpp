@@ -2,9 +2,9 @@
 // membrane, a rigid line in a square stuck (B) or sliding (C), natural frequencies of a clamped square.
 #pragma once
 
-#include "stylet/dynamics/implicit_newmark.hpp"
-#include "stylet/dynamics/modes.hpp"
+#include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/mesh/embedded_point.hpp"
+#include "stylet/solvers/modes.hpp"
 
 #include "support/body.hpp"
 
@@ -62,9 +62,7 @@ struct Problem {
     OwnedVec load = body.tissue.make_vector();
     check(VecSet(load.get(), 0));
     if (!force.empty()) load = vector_of(body.tissue, force);
-    TimeParameters time;
-    time.method = TimeMethod::quasi_static;
-    ImplicitNewmark integrator(body.tissue, time);
+    QuasiStatic integrator(body.tissue, body.mesh);
     State state = still(body.tissue);
     take_step(integrator, state, load.get(), 1, constraints);
     u = gather_all(state.u.get());

@@ -1,6 +1,6 @@
 // A smooth displacement on the unit square, held at its boundary, with the body force that it needs:
 // order 2 in the L2 norm and order 1 in the energy norm.
-#include "stylet/dynamics/implicit_newmark.hpp"
+#include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/fem/material.hpp"
 
 #include "support/body.hpp"
@@ -100,9 +100,7 @@ Errors solve(int n, Plane plane, Diagonals diagonals) {
     }
   });
   const OwnedVec load = vector_of(body.tissue, force);
-  TimeParameters time;
-  time.method = TimeMethod::quasi_static;
-  ImplicitNewmark integrator(body.tissue, time);
+  QuasiStatic integrator(body.tissue, body.mesh);
   State state = still(body.tissue);
   take_step(integrator, state, load.get(), 1,
             held(dofs_of(mesh, {"left", "right", "bottom", "top"})));

@@ -58,7 +58,7 @@ Wave wave(int n, int steps, double end, TimeMethod method, MassKind mass) {
   if (method == TimeMethod::explicit_newmark) {
     integrator = std::make_unique<ExplicitNewmark>(body.tissue, body.mesh, time);
   } else {
-    integrator = std::make_unique<ImplicitNewmark>(body.tissue, time);
+    integrator = std::make_unique<ImplicitNewmark>(body.tissue, body.mesh, time);
   }
   State state = still(body.tissue);
   state.u = nodal(body.tissue, body.mesh, shape);

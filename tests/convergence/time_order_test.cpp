@@ -47,7 +47,7 @@ double error(const TimeCase& c, int steps) {
   if (is_explicit) {
     integrator = std::make_unique<ExplicitNewmark>(body.tissue, body.mesh, c.time);
   } else {
-    integrator = std::make_unique<ImplicitNewmark>(body.tissue, c.time);
+    integrator = std::make_unique<ImplicitNewmark>(body.tissue, body.mesh, c.time);
   }
   const double end = 2 * 3.141592653589793 / first;
   const auto sum = [&](double t) {

@@ -2,6 +2,7 @@
 // bring new ghosts.
 #include "stylet/dynamics/explicit_step.hpp"
 #include "stylet/dynamics/state.hpp"
+#include "stylet/fem/cell_operator.hpp"
 #include "stylet/mesh/numbering.hpp"
 #include "stylet/mesh/rectangle.hpp"
 #include "stylet/petsc/check.hpp"
@@ -10,6 +11,7 @@
 #include "support/edits.hpp"
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <random>
 
 namespace stylet {
@@ -64,25 +66,63 @@ void expect_forces(const Mesh& mesh, const TissueOperator& tissue, const CellKer
   EXPECT_LE(worst, 1e-12 * size);
 }
 
+// K x and M z of random fields against the assembled matrices.
+void expect_products(const TissueOperator& tissue, CellOperator& cells) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> any(-1, 1);
+  OwnedVec fields[2] = {tissue.make_vector(), tissue.make_vector()};
+  for (int dof = 0; dof < tissue.n_dofs(); ++dof) {
+    for (const OwnedVec& field : fields) set_owned(field.get(), dof, any(random));
+  }
+  OwnedVec got[2] = {tissue.make_vector(), tissue.make_vector()};
+  OwnedVec expected[2] = {tissue.make_vector(), tissue.make_vector()};
+  cells.stiffness_and_mass(fields[0].get(), fields[1].get(), got[0].get(), got[1].get());
+  check(MatMult(tissue.stiffness(), fields[0].get(), expected[0].get()));
+  tissue.apply_mass(fields[1].get(), expected[1].get());
+  const auto expect_near = [](Vec a, Vec b) {
+    PetscReal size = 0;
+    PetscReal miss = 0;
+    check(VecNorm(b, NORM_INFINITY, &size));
+    check(VecAXPY(a, -1, b));
+    check(VecNorm(a, NORM_INFINITY, &miss));
+    EXPECT_LE(miss, 1e-12 * size);  // round-off of sums of a dozen terms, some of them cancelling
+  };
+  for (std::size_t i = 0; i < 2; ++i) expect_near(got[i].get(), expected[i].get());
+  cells.stiffness(fields[1].get(), got[0].get());
+  check(MatMult(tissue.stiffness(), fields[1].get(), expected[0].get()));
+  expect_near(got[0].get(), expected[0].get());
+}
+
+/// Two materials, and the pieces that hold it.
+struct Block {
+  Block(MassKind mass, Formulation formulation) {
+    RectangleMesh p;
+    p.width = 0.08;
+    p.height = 0.06;
+    p.columns = 24;
+    p.rows = 18;
+    p.jitter = 0.2;
+    p.inner_regions.push_back({"core", Ellipse{{0.045, 0.03}, 0.02, 0.015}});
+    const MeshData data = make_rectangle(p);
+    auto numbering = number_nodes(data, size_of(world));
+    std::vector<int> old_cell;
+    mesh.emplace(renumber(data, numbering, old_cell));
+    TissueParameters parameters;
+    parameters.plane = Plane::strain;
+    parameters.mass = mass;
+    parameters.formulation = formulation;
+    parameters.regions = {{"tissue", {60e3, 0.45, 1000}}, {"core", {9e3, 0.49, 1000}}};
+    tissue.emplace(world, *mesh, std::move(numbering.first_node), parameters,
+                   [](int) { return true; });
+  }
+  std::optional<Mesh> mesh;
+  std::optional<TissueOperator> tissue;
+};
+
 TEST_P(RankKernel, PushesAsTheRowsDoAfterEdits) {
-  RectangleMesh p;
-  p.width = 0.08;
-  p.height = 0.06;
-  p.columns = 24;
-  p.rows = 18;
-  p.jitter = 0.2;
-  p.inner_regions.push_back({"core", Ellipse{{0.045, 0.03}, 0.02, 0.015}});
-  const MeshData data = make_rectangle(p);
-  auto numbering = number_nodes(data, size_of(world));
-  std::vector<int> old_cell;
-  Mesh mesh(renumber(data, numbering, old_cell));
-  TissueParameters parameters;
-  parameters.plane = Plane::strain;
-  parameters.mass = MassKind::lumped;
-  parameters.formulation = GetParam();
-  parameters.regions = {{"tissue", {60e3, 0.45, 1000}}, {"core", {9e3, 0.49, 1000}}};
-  TissueOperator tissue(world, mesh, std::move(numbering.first_node), parameters,
-                        [](int) { return true; });
+  Block block(MassKind::lumped, GetParam());
+  Mesh& mesh = *block.mesh;
+  TissueOperator& tissue = *block.tissue;
   CellKernel cells(mesh, tissue);
   expect_forces(mesh, tissue, cells);
   std::mt19937 random(3);
@@ -100,6 +140,23 @@ TEST_P(RankKernel, PushesAsTheRowsDoAfterEdits) {
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &renewed, 1, MPI_INT, MPI_SUM, world));
   EXPECT_EQ(renewed > 0, size_of(world) > 1);
+}
+
+TEST_P(RankKernel, MultipliesAsTheMatricesDoAfterEdits) {
+  for (const MassKind mass : {MassKind::consistent, MassKind::lumped}) {
+    Block block(mass, GetParam());
+    CellOperator cells(*block.mesh, *block.tissue);
+    expect_products(*block.tissue, cells);
+    std::mt19937 random(3);
+    for (int round = 0; round < 3; ++round) {
+      auto touched = move_nodes(*block.mesh, random);
+      const auto flipped = flip_edges(*block.mesh);
+      touched.insert(touched.end(), flipped.begin(), flipped.end());
+      block.tissue->update(*block.mesh, touched);
+      cells.update(*block.mesh, touched);
+      expect_products(*block.tissue, cells);
+    }
+  }
 }
 
 }  // namespace

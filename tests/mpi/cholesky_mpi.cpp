@@ -1,11 +1,11 @@
 // Triangular solves along paths of the elimination tree, and their shares of the ranks, against
 // products with the operator.
 #include "stylet/base/errors.hpp"
-#include "stylet/dynamics/cholesky.hpp"
 #include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/solvers/cholesky.hpp"
 
 #include "support/scenes.hpp"
 #include <gtest/gtest.h>

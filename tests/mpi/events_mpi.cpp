@@ -26,9 +26,10 @@ time: {step: 10 ms, duration: 0.5 s}
 output: {history: false}
 )";
 
-const std::vector<std::string> names = {
-    "StyletEdit",   "StyletGather", "StyletSnapshot", "StyletEnergy",   "StyletRecord",
-    "StyletFactor", "StyletSolve",  "StyletForward",  "StyletAssemble", "StyletPattern"};
+const std::vector<std::string> names = {"StyletEdit",    "StyletGather",  "StyletSnapshot",
+                                        "StyletEnergy",  "StyletRecord",  "StyletFactor",
+                                        "StyletSolve",   "StyletForward", "StyletAssemble",
+                                        "StyletPattern", "StyletOrder"};
 
 using Counts = std::map<std::string, int>;
 
@@ -88,12 +89,21 @@ TEST(Events, FiftyEqualStepsFactorOnce) {
   EXPECT_EQ(n.at("StyletSolve"), 50);
 }
 
-TEST(Events, LoadAtTheStartFactorsTheMassToo) {
-  // M a = f gives the acceleration at t = 0: one factor and one solve more.
+TEST(Events, LoadAtTheStartNeedsNoFactorOfTheMass) {
+  // M a = f gives the acceleration at t = 0, by conjugate gradients.
   const auto n = events_of(plain, {"loads.traction.0.start=0 s"});
   expect_no_extras(n);
-  EXPECT_EQ(n.at("StyletFactor"), 2);
-  EXPECT_EQ(n.at("StyletSolve"), 51);
+  EXPECT_EQ(n.at("StyletFactor"), 1);
+  EXPECT_EQ(n.at("StyletSolve"), 50);
+}
+
+TEST(Events, AnotherStepFactorsAnewInTheSameOrder) {
+  // The load begins at once: two half steps of another scheme, then whole steps again.
+  const auto n =
+      events_of(plain, {"time.scheme=generalised_alpha", "loads.traction.0.start=45 ms"});
+  expect_no_extras(n);
+  EXPECT_EQ(n.at("StyletFactor"), 3);
+  EXPECT_EQ(n.at("StyletOrder"), 1);
 }
 
 TEST(Events, ExplicitSceneNeverSolves) {

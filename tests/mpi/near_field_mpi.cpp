@@ -1,6 +1,9 @@
-// Tissue condensed to the dofs near the needle against conjugate gradients on all of it, which
-// -ksp_type asks for: the same energies, forces and fields at any time, on any number of ranks.
+// Tissue condensed to the dofs near the needle: one step against the equations of the whole tissue,
+// and whole scenes with every solver of the whole tissue below the same near field, which options ask
+// for: the same energies, forces and fields at any time, on any number of ranks.
 #include "stylet/petsc/check.hpp"
+#include "stylet/simulation/model.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include "support/scenes.hpp"
 #include <gtest/gtest.h>
@@ -46,11 +49,8 @@ struct Way {
 };
 
 // Looks at the fields in every `interval`th step only: the near field leaves them out in between.
-Way way_of(const std::vector<std::string>& overrides, bool iterative, int interval) {
-  if (iterative) {
-    check(PetscOptionsSetValue(nullptr, "-ksp_type", "cg"));
-    check(PetscOptionsSetValue(nullptr, "-ksp_rtol", "1e-13"));
-  }
+Way way_of(const std::vector<std::string>& overrides, const std::string& options, int interval) {
+  check(PetscOptionsInsertString(nullptr, options.c_str()));
   Way way;
   Simulation simulation(MPI_COMM_WORLD, scene_of(pierced, overrides), true);
   int n = 0;
@@ -63,18 +63,15 @@ Way way_of(const std::vector<std::string>& overrides, bool iterative, int interv
     way.fields.push_back(gather_all(simulation.state().v.get()));
   });
   way.placement_error = simulation.placement_errors().at(0);
-  check(PetscOptionsClearValue(nullptr, "-ksp_type"));
-  check(PetscOptionsClearValue(nullptr, "-ksp_rtol"));
+  for (const char* option : {"-ksp_type", "-pc_type", "-pc_factor_mat_solver_type"}) {
+    check(PetscOptionsClearValue(nullptr, option));
+  }
   return way;
 }
 
-class NearFieldScene : public testing::TestWithParam<std::vector<std::string>> {};
-
-TEST_P(NearFieldScene, AnswersAsConjugateGradientsOnTheWholeTissueDo) {
-  const Way near = way_of(GetParam(), false, 7);
-  const Way whole = way_of(GetParam(), true, 7);
-  // The tolerance of the iterative solver, times the condition of the operator.
-  constexpr double tolerance = 1e-8;
+void expect_same(const Way& near, const Way& whole) {
+  // Columns of the inverse are good to 1e-12 of the residual, times the condition of this operator.
+  constexpr double tolerance = 1e-9;
   EXPECT_NEAR(near.placement_error, whole.placement_error, tolerance * whole.placement_error);
   ASSERT_EQ(near.numbers.size(), whole.numbers.size());
   for (std::size_t k = 0; k < 6; ++k) {
@@ -96,6 +93,106 @@ TEST_P(NearFieldScene, AnswersAsConjugateGradientsOnTheWholeTissueDo) {
     }
     EXPECT_LT(worst, tolerance * scale) << "field " << f;
   }
+}
+
+class NearFieldScene : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(NearFieldScene, AnswersWithConjugateGradientsBelow) {
+  expect_same(way_of(GetParam(), "", 7), way_of(GetParam(), "-pc_type jacobi", 7));
+}
+
+class SolverBelow : public testing::TestWithParam<const char*> {};
+
+TEST_P(SolverBelow, AnswersTheSame) {
+  for (const char* method : {"quasi_static", "implicit"}) {
+    const std::vector<std::string> overrides{std::string("time.method=") + method,
+                                             "needles.0.motion.0.insert.depth=2 cm"};
+    expect_same(way_of(overrides, "", 7), way_of(overrides, GetParam(), 7));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Options,
+                         SolverBelow,
+                         testing::Values("-pc_factor_mat_solver_type mumps",
+                                         "-pc_type gamg -ksp_type cg",
+                                         "-pc_type hypre",
+                                         "-ksp_type cg"));
+
+// By what it takes of the memory: numbers of dofs around each limit.
+TEST(SolverChoice, IsByTheRoomThatAFactorTakes) {
+  constexpr double machine = 16e9;  // half of it has room for 3.3e6 dofs at 2400 bytes
+  EXPECT_EQ(solver_for(3'300'000, 1, 1, machine), SolverKind::factor_everywhere);
+  EXPECT_EQ(solver_for(3'400'000, 1, 1, machine), SolverKind::multigrid);
+  EXPECT_EQ(solver_for(1'600'000, 2, 2, machine), SolverKind::factor_everywhere);
+  EXPECT_EQ(solver_for(1'700'000, 2, 2, machine), SolverKind::multigrid);
+  // Ranks on other machines take their share of a distributed one.
+  EXPECT_EQ(solver_for(3'000'000, 8, 2, machine), SolverKind::factor_distributed);
+  EXPECT_EQ(solver_for(6'000'000, 8, 2, machine), SolverKind::factor_distributed);
+  EXPECT_EQ(solver_for(7'000'000, 8, 2, machine), SolverKind::multigrid);
+}
+
+// A x = b + lambda w with x given at some dofs, w . x given, and A changed since it was factored: what
+// is solved on the near dofs has to leave nothing of the equations of the whole tissue.
+TEST(NearField, LeavesNothingOfTheEquationsOfTheWholeTissue) {
+  const Scene scene = scene_of(pierced, {"time.method=implicit"});
+  NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, scene);
+  const auto tissue = make_tissue(MPI_COMM_WORLD, scene, numbered);
+  Mesh& mesh = numbered.mesh;
+  tissue->make_tangent({1e4, 1});
+  NearField near(MPI_COMM_WORLD, tissue->n_dofs());
+  std::vector<PrescribedDof> held;
+  for (const int node : mesh.nodes_of("left")) held.push_back({2 * node, 0});
+  near.factor(tissue->tangent_matrix(), held);
+  // An inner node moves a little.
+  int node = 0;
+  while (mesh.on_boundary(node) || mesh.is_locked(node)) ++node;
+  const auto around = mesh.cells_around(node);
+  const std::vector<int> cells(around.begin(), around.end());
+  mesh.move_node(node, mesh.point(node) + Vector2{2e-4, -1e-4});
+  tissue->update(mesh, cells);
+  near.changed(tissue->tangent_matrix(), dofs_of(tissue->rows_of(mesh, cells)));
+
+  OwnedVec b = tissue->make_vector();
+  check(VecSet(b.get(), 0));
+  for (int dof = 0; dof < tissue->n_dofs(); ++dof) set_owned(b.get(), dof, std::sin(dof));
+  for (const auto& c : held) set_owned(b.get(), c.dof, 0);
+  near.load(b.get());
+  const int n = tissue->n_dofs();
+  const std::vector<int> dofs{n / 2, n / 3, n / 4, n / 5};
+  near.include(dofs);
+  const std::vector<NearField::Given> given{{near.at(dofs[0]), 0.02}, {near.at(dofs[1]), -0.01}};
+  const std::vector<NearField::Given> weights{{near.at(dofs[2]), 0.25}, {near.at(dofs[3]), 0.75}};
+  const std::vector<double> none(near.dofs().size(), 0.0);
+  auto solution = near.solve(none, given, weights, 0.03);
+  OwnedVec x = tissue->make_vector();
+  OwnedVec left = tissue->make_vector();
+  const auto balance = [&](Vec of, Vec residual) {
+    check(MatMult(tissue->tangent_matrix(), of, residual));
+    check(VecAXPY(residual, -1, b.get()));
+  };
+  near.complete(balance, 1, none, given, weights, solution, x.get(), left.get());
+
+  check(MatMult(tissue->tangent_matrix(), x.get(), left.get()));
+  check(VecAXPY(left.get(), -1, b.get()));
+  auto residual = gather_all(left.get());
+  const auto at = gather_all(x.get());
+  const auto of = [](const auto& values, int dof) { return values[static_cast<std::size_t>(dof)]; };
+  // Round-off of the largest forces, times a condition of 1e3.
+  const double tolerance = 1e-12 * size_of_values(residual);
+  EXPECT_NEAR(of(at, dofs[0]), 0.02, 1e-15);
+  EXPECT_NEAR(of(at, dofs[1]), -0.01, 1e-15);
+  EXPECT_NEAR(0.25 * of(at, dofs[2]) + 0.75 * of(at, dofs[3]), 0.03, 1e-14);
+  for (const std::size_t i : {0U, 1U}) {
+    EXPECT_NEAR(of(residual, dofs[i]), solution.reaction[near.at(dofs[i])], tolerance);
+    residual[static_cast<std::size_t>(dofs[i])] = 0;
+  }
+  residual[static_cast<std::size_t>(dofs[2])] -= 0.25 * solution.lambda;
+  residual[static_cast<std::size_t>(dofs[3])] -= 0.75 * solution.lambda;
+  for (const auto& c : held) {
+    EXPECT_EQ(of(at, c.dof), 0);
+    residual[static_cast<std::size_t>(c.dof)] = 0;
+  }
+  EXPECT_LT(size_of_values(residual), tolerance);
 }
 
 // The distance from the needle at which loads and prescribed displacements act makes no difference.

@@ -1,5 +1,5 @@
 // Natural frequencies of squares with E = rho = 1 and nu = 0.3 in plane strain, against known values.
-#include "stylet/dynamics/modes.hpp"
+#include "stylet/solvers/modes.hpp"
 
 #include "stylet/simulation/model.hpp"
 

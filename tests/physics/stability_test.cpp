@@ -1,6 +1,6 @@
 // Measured stable steps and energies against closed forms of small bodies.
 #include "stylet/dynamics/explicit_newmark.hpp"
-#include "stylet/dynamics/modes.hpp"
+#include "stylet/solvers/modes.hpp"
 #include "stylet/study/perturbation.hpp"
 
 #include "support/modes.hpp"
@@ -48,7 +48,7 @@ struct Frozen {
     TimeParameters time;
     time.scheme = scheme;
     time.rho_infinity = rho;
-    return energy_growth(*tissue, held, v.get(), time, h, 200);
+    return energy_growth(*tissue, simulation.mesh(), held, v.get(), time, h, 200);
   }
 
   Simulation simulation;

@@ -37,7 +37,7 @@ class Oscillator {
     if (time.method == TimeMethod::explicit_newmark) {
       integrator_ = std::make_unique<ExplicitNewmark>(body_.tissue, body_.mesh, time);
     } else {
-      integrator_ = std::make_unique<ImplicitNewmark>(body_.tissue, time);
+      integrator_ = std::make_unique<ImplicitNewmark>(body_.tissue, body_.mesh, time);
     }
   }
 

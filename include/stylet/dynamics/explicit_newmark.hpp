@@ -10,10 +10,11 @@
 // of the next step. The forces of contact are those that bring the free velocities to the given ones.
 #pragma once
 
-#include "stylet/dynamics/eigenvalue_bound.hpp"
 #include "stylet/dynamics/explicit_step.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/fem/cell_operator.hpp"
+#include "stylet/solvers/eigenvalue_bound.hpp"
 
 #include <vector>
 
@@ -33,6 +34,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   [[nodiscard]] bool decides_by_velocity() const override { return true; }
+  [[nodiscard]] StoredEnergy energy(const State& state) override;
 
  private:
   struct FreeValue {
@@ -45,8 +47,7 @@ class ExplicitNewmark final : public TimeIntegrator {
     double before = 0;
     double after = 0;
   };
-  void make_kernel(const Mesh& mesh);
-  [[nodiscard]] bool agreed(bool yes) const;
+  void make_room();
   void advance(double h, Vec u, Vec v);
   void accelerate_again(std::span<const int> rows, std::span<const int> columns);
   void restore();
@@ -59,7 +60,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   RayleighDamping damping_;
   EigenvalueBound bound_;
   std::vector<double> node_mass_;  ///< of owned nodes (kg)
-  CellKernel cells_;
+  CellOperator cells_;
   std::vector<double> pressure_;  ///< room for it
   OwnedTs ts_;
   PetscInt n_steps_ = 0;  ///< accepted
@@ -90,6 +91,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   OwnedVec needed_;
   OwnedVec working_;
   OwnedVec settled_;
+  OwnedVec work_;
 };
 
 /// Stable step of one mode (s): omega^2 in (rad/s)^2, stiffness damping in s.

@@ -7,7 +7,7 @@
 // to be sent.
 #pragma once
 
-#include "stylet/dynamics/cell_kernel.hpp"
+#include "stylet/fem/cell_kernel.hpp"
 
 #include <cstddef>
 #include <span>

@@ -10,7 +10,6 @@
 //                          alpha_m = (rho - 1)/(rho + 1), g1 = 1/2 - alpha_m, c1 = (1 - alpha_m)^2/4;
 //                          rho = 1 is average acceleration
 //   backward Euler         alpha_m = 0, c0 = g0 = 0, c1 = g1 = 1
-//   quasi-static           K u1 = f1, v1 = (u1 - u0)/h, no M and no C
 //
 // Given motion that begins, or changes its speed, between two steps. Schemes that balance the start of a
 // step too carry what does not fit there on and on: a place that starts to move at speed V gets 2V, 0,
@@ -20,14 +19,17 @@
 // acceleration that fit. With average acceleration their operator is that of the whole step. Each has
 // its own contacts. In backward Euler the blow is solved for with the mass alone and taken off the forces.
 //
+// Products with K and M are taken cell by cell. Backward Euler needs one pass a step: with K u1 and
+// M v1, which also give the energies, K v1 = (K u1 - K u0)/h and M a1 = (M v1 - M v0)/h.
+//
 // Misprint in the paper: its displacement update takes the new velocity, u1 = u0 + h v1 + ...; read
 // literally that is first order and unstable above omega h = 2/sqrt(3). It must be v0, as here.
 #pragma once
 
-#include "stylet/dynamics/constrained_solver.hpp"
-#include "stylet/dynamics/near_field.hpp"
+#include "stylet/dynamics/condensed_integrator.hpp"
 #include "stylet/dynamics/parameters.hpp"
-#include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/solvers/mass_solver.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include <optional>
 #include <vector>
@@ -44,57 +46,59 @@ struct StepCoefficients {
 
 [[nodiscard]] StepCoefficients coefficients(ImplicitScheme scheme, double rho_infinity);
 
-class ImplicitNewmark final : public TimeIntegrator {
+class ImplicitNewmark final : public CondensedIntegrator {
  public:
-  /// The tissue is lent. Quasi-static if the method says so.
-  ImplicitNewmark(TissueOperator& tissue, const TimeParameters& parameters);
+  /// The tissue is lent.
+  ImplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int> nodes) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool whole) override;
   void accept() override;
-  [[nodiscard]] double stable_step() const override;
+  void complete_at(std::span<const int> nodes) override;
+  [[nodiscard]] double stable_step() const override {
+    return damped_steps_ > 0 ? half_ : CondensedIntegrator::stable_step();
+  }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
-  [[nodiscard]] bool decides_by_velocity() const override { return false; }
 
  private:
   /// Of the speed of given motion: less does not begin.
   static constexpr double at_once = 1e-6;
 
   void predict();
+  void predict_by_products();
   void predict_edited();
   void refresh_near();
   void hold();
   void make_operator();
   void prepare();
   [[nodiscard]] bool needle_begins(const ConstraintSet& constraints);
-  [[nodiscard]] bool damps_at_once() const { return k_.c0 == 0; }  ///< backward Euler
+  [[nodiscard]] bool damps_at_once() const { return k_.c0 == 0; }  ///< backward Euler in this step
+  [[nodiscard]] bool keeps_products() const { return scheme_.c0 == 0; }  ///< backward Euler in all
   [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
   Trial attempt_near(const ConstraintSet& constraints);
-  Trial attempt_whole(const ConstraintSet& constraints);
   void complete_near();
+  void balance(Vec x, Vec residual);
+  void balance_by_products(Vec x, Vec residual);
+  void store_energy();
   void fit_given();
   void take_off_blow(const ConstraintSet& constraints);
   void blow_lumped(std::span<const DofValue> given, const MeanCondition* mean);
   void settle();
   [[nodiscard]] double speed() const { return k_.g1 / (k_.c1 * h_); }  ///< v1 = v_guess + speed x
 
-  TissueOperator& tissue_;
-  bool inertia_;
   StepCoefficients scheme_;
-  StepCoefficients k_;                       ///< of this step: the scheme's, or a damped one
-  std::optional<NearField> near_;            ///< with a direct factor
-  std::optional<ConstrainedSolver> solver_;  ///< with any other PC
-  State* state_ = nullptr;
-  Vec load_ = nullptr;
-  double h_ = 0;
+  StepCoefficients k_;  ///< of this step: the scheme's, or a damped one
   double shift_v_ = 0;  ///< of the operator
   double shift_a_ = 0;
-  bool fresh_ = true;     ///< no trial yet
-  int damped_steps_ = 0;  ///< to come, with the present one
-  double half_ = 0;       ///< length of them (s)
-  std::vector<PrescribedDof> held_;
+  Combination operator_;
+  StateProducts products_;                  ///< with backward Euler
+  std::size_t n_owned_;                     ///< dofs
+  double largest_ = 0;                      ///< entry of rhs_base_
+  bool fresh_ = true;                       ///< no trial yet
+  int damped_steps_ = 0;                    ///< to come, with the present one
+  double half_ = 0;                         ///< length of them (s)
   bool held_move_ = false;                  ///< some held dof has an increment
   bool held_begin_ = false;                 ///< one that its velocity does not explain
   double fastest_ = 0;                      ///< speed of given motion so far (m/s)
@@ -103,29 +107,18 @@ class ImplicitNewmark final : public TimeIntegrator {
   bool had_mean_ = false;         ///< in the last step
   bool released_ = false;         ///< then
   std::vector<int> watched_;      ///< dofs
-  std::vector<int> edited_;       ///< nodes whose rows changed since the last trial; ascending
   std::vector<int> surrounding_;  ///< what they couple to
   // Of the near dofs, in their order.
   std::vector<double> u_near_;  ///< predictors
   std::vector<double> v_near_;
   std::vector<double> change_;  ///< of the right-hand side by edits since `begin`
-  std::vector<double> extra_;   ///< change and the forces of the last trial
-  std::vector<NearField::Given> given_;
-  std::vector<NearField::Given> weights_;
-  NearField::Solution solution_;
-  Trial trial_;
-  OwnedVec u_;  ///< displacement of the trial
-  OwnedVec v_;
-  OwnedVec u_guess_;  ///< predictor of the step
+  OwnedVec u_guess_;            ///< predictor of the step
   OwnedVec v_guess_;
   OwnedVec increment_;  ///< u1 - predictor = c1 h^2 a1, the unknown
   OwnedVec held_increment_;
-  OwnedVec rhs_;
   OwnedVec rhs_base_;  ///< at `begin`, less what increments of held dofs take
-  OwnedVec reaction_;
-  OwnedVec work_;
   bool has_blow_ = false;
-  std::optional<ConstrainedSolver> mass_solver_;
+  std::optional<MassSolver> mass_solver_;
   OwnedVec jump_;  ///< of velocity
   OwnedVec blow_;  ///< impulses (N s)
   double blow_lambda_ = 0;

@@ -6,18 +6,17 @@
 // when a node comes near, when the operator is factored anew, and when somebody looks.
 #pragma once
 
-#include "stylet/dynamics/near_field.hpp"
-#include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/dynamics/condensed_integrator.hpp"
 
 #include <optional>
 #include <vector>
 
 namespace stylet {
 
-class QuasiStatic final : public TimeIntegrator {
+class QuasiStatic final : public CondensedIntegrator {
  public:
-  /// The tissue is lent. NearField must serve.
-  explicit QuasiStatic(TissueOperator& tissue);
+  /// The tissue is lent.
+  QuasiStatic(TissueOperator& tissue, const Mesh& mesh);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int> nodes) override;
@@ -26,10 +25,7 @@ class QuasiStatic final : public TimeIntegrator {
   void accept() override;
   void complete() override;
   void complete_at(std::span<const int> nodes) override { watch(nodes); }
-  [[nodiscard]] std::optional<double> strain_energy() const override;
-  [[nodiscard]] double stable_step() const override;
-  void touched(const Mesh& mesh, std::span<const int> cells) override;
-  [[nodiscard]] bool decides_by_velocity() const override { return false; }
+  [[nodiscard]] StoredEnergy energy(const State& state) override;
 
  private:
   void factor();
@@ -39,20 +35,9 @@ class QuasiStatic final : public TimeIntegrator {
   void complete_displacement();
   void keep_near(Vec state, Vec from) const;
 
-  TissueOperator& tissue_;
-  NearField near_;
-  State* state_ = nullptr;
-  Vec load_ = nullptr;
-  double h_ = 0;
-  std::vector<PrescribedDof> held_;
   bool loaded_ = false;        ///< load or displacements of held dofs are not zero
   bool fresh_ = true;          ///< the near field has not solved for the present load
-  std::vector<int> edited_;    ///< nodes whose rows changed since the last trial; ascending
   std::vector<double> start_;  ///< displacement of the near dofs at the start of the step, edited
-  std::vector<double> extra_;
-  std::vector<NearField::Given> given_;
-  std::vector<NearField::Given> weights_;
-  NearField::Solution solution_;
   bool whole_step_ = true;
 
   // Of the last accepted trial, by near dof; those that came later follow with what they had.
@@ -63,13 +48,8 @@ class QuasiStatic final : public TimeIntegrator {
   std::vector<double> pushed_;       ///< A0 u: zero at later dofs
   std::vector<double> last_pushed_;  ///< of the trial before
   std::vector<int> forced_;          ///< dofs that carried a force
-  Trial trial_;
-  OwnedVec u_;
-  OwnedVec v_;
-  OwnedVec reaction_;
-  OwnedVec rhs_;
-  OwnedVec work_;
   OwnedVec held_u_;
+  OwnedVec balanced_;  ///< the right-hand side that the near field has solved for
 };
 
 }  // namespace stylet

@@ -1,12 +1,13 @@
 // One step of time, tried as often as contact laws ask for and accepted once.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/dynamics/state.hpp"
 #include "stylet/fem/tissue_operator.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <optional>
 #include <span>
+#include <string>
 
 namespace stylet {
 
@@ -29,9 +30,11 @@ struct Trial {
   HoldingForces working;
   /// At the end of the step, after any blow: what cuts, punctures and is reported.
   HoldingForces settled;
-  bool only_end = false;    ///< forces at the start of the step have no share in its work
-  int iterations = 0;       ///< of linear solvers
-  double blow_work = 0;     ///< done in this step by blows, apart from the working forces (J)
+  bool only_end = false;  ///< forces at the start of the step have no share in its work
+  int iterations = 0;     ///< of linear solvers
+  double blow_work = 0;   ///< done in this step by blows, apart from the working forces (J)
+  /// Of `finish`: done on all damping (J), where the integrator knows it.
+  std::optional<double> all_damping_work = std::nullopt;
   double damping_work = 0;  ///< done on the damping of mass (J)
   double load_work = 0;     ///< done by the load of its end (J)
 };
@@ -44,6 +47,12 @@ struct Trial {
   trial.needed = trial.working = trial.settled = forces;
   return trial;
 }
+
+/// What a state stores (J).
+struct StoredEnergy {
+  double kinetic = 0;
+  double strain = 0;
+};
 
 class TimeIntegrator {
  public:
@@ -78,9 +87,12 @@ class TimeIntegrator {
   /// Collective. At these nodes at least.
   virtual void complete_at(std::span<const int>) {}
 
-  /// Collective. Strain energy (J) of the last trial from what is known near the needle. None if the
-  /// step is whole: its displacements then tell.
-  [[nodiscard]] virtual std::optional<double> strain_energy() const { return std::nullopt; }
+  /// Collective, between `accept` and `begin`. Energy of the state; costs no product with K or M where
+  /// the step had them.
+  [[nodiscard]] virtual StoredEnergy energy(const State& state) = 0;
+
+  /// What solves for the whole tissue, and who chose it; for the record.
+  [[nodiscard]] virtual std::string solver() const { return "none"; }
 
   /// The largest step that is right now (s): that is stable, or half of a step in which motion begins.
   /// Infinity if none is.

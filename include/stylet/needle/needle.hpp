@@ -5,7 +5,6 @@
 // saved state; then commit. No Mat, Vec or KSP here.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/advance_search.hpp"
 #include "stylet/needle/contact_work.hpp"
@@ -15,6 +14,7 @@
 #include "stylet/needle/parameters.hpp"
 #include "stylet/needle/shaft_contacts.hpp"
 #include "stylet/needle/view.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <optional>
 #include <string>

@@ -13,6 +13,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace stylet {
@@ -51,6 +52,7 @@ class Body {
   [[nodiscard]] State& state();
   /// The largest step that is right now (s), as TimeIntegrator::stable_step.
   [[nodiscard]] double stable_step() const { return integrator_->stable_step(); }
+  [[nodiscard]] std::string solver() const { return integrator_->solver(); }
   [[nodiscard]] bool decides_by_velocity() const { return integrator_->decides_by_velocity(); }
   /// What holds the tissue apart from the needle, now.
   [[nodiscard]] std::span<const PrescribedDof> held() const { return held_; }

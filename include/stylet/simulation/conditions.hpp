@@ -1,9 +1,9 @@
 // Supports, prescribed curves and loads of a scene, at any time.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/scene/scene.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <array>
 #include <cstddef>

@@ -22,11 +22,10 @@ struct Energies {
 
 /// Of the tissue (J); work: a vector of dofs, overwritten. Collective.
 [[nodiscard]] double kinetic_energy(const TissueOperator& tissue, Vec v, Vec work);
-[[nodiscard]] double strain_energy(const TissueOperator& tissue, Vec u, Vec work);
 
 /// Work is summed in every step, by what is declared: nothing without damping and loads. Kinetic and
-/// strain energy cost a product with K and one with M: after every implicit step and every twentieth
-/// explicit one. What edits add is measured on their own rows.
+/// strain energy are the integrator's: of every implicit step, which knows them, and every twentieth
+/// explicit one, where they cost a pass over the mesh. What edits add is measured on their own rows.
 class EnergyLedger {
  public:
   EnergyLedger(const TissueOperator& tissue,
@@ -65,11 +64,9 @@ class EnergyLedger {
 
   /// Collective, after a step. Kinetic and strain energy for the record; what is checked, and when, does
   /// not depend on it.
-  void measure(const TissueOperator& tissue, const State& state);
+  void measure(const StoredEnergy& stored, const TissueOperator& tissue, const State& state);
   /// Collective, after a step. Throws NumericalError if there is more energy than work was done.
-  void weigh(const TissueOperator& tissue, const State& state);
-  /// The same without inertia, where the strain energy is known (J).
-  void weigh(double strain);
+  void weigh(const StoredEnergy& stored, const TissueOperator& tissue, const State& state);
 
   /// For states that are changed from outside.
   void stop_checks() { checks_ = false; }

@@ -1,11 +1,11 @@
 // The tissue of a scene: mesh, numbering, operator, supports and loads.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/mesh/numbering.hpp"
 #include "stylet/scene/scene.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <memory>
 #include <span>

@@ -5,10 +5,10 @@
 // and no forces, the constant ones of friction and cutting included.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/simulation/model.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <memory>
 
@@ -55,6 +55,7 @@ struct EnergyGrowth {
 
 /// Collective. Free motion by ImplicitNewmark in n_steps steps of h (s).
 [[nodiscard]] EnergyGrowth energy_growth(TissueOperator& tissue,
+                                         const Mesh& mesh,
                                          const ConstraintSet& constraints,
                                          Vec velocities,
                                          const TimeParameters& time,

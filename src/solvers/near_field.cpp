@@ -1,6 +1,7 @@
-#include "stylet/dynamics/near_field.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
@@ -45,17 +46,6 @@ std::vector<double> product(const std::vector<double>& symmetric, std::span<cons
 
 }  // namespace
 
-bool NearField::serves(MPI_Comm comm, PetscInt n_dofs) {
-  char* all = nullptr;
-  check(PetscOptionsGetAll(nullptr, &all));
-  const std::string options = all;
-  check(PetscFree(all));
-  for (const char* solver : {"-ksp_", "-pc_"}) {
-    if (options.find(solver) != std::string::npos) return false;
-  }
-  return Cholesky::fits(comm, n_dofs);
-}
-
 bool NearField::wants_factor() const {
   if (stale_) return true;
   // A factorisation costs about n^1.5, dense algebra the third power of the near dofs.
@@ -67,6 +57,7 @@ bool NearField::wants_factor() const {
 
 void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   held_.clear();
+  held_here_.clear();
   if (!correction_) check(MatCreateVecs(a, correction_.put(), nullptr));
   PetscInt begin = 0;
   PetscInt end = 0;
@@ -74,10 +65,13 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   std::vector<PetscInt> owned;
   for (const auto& c : held) {
     held_.insert(c.dof);
-    if (c.dof >= begin && c.dof < end) owned.push_back(c.dof - begin);
+    if (c.dof < begin || c.dof >= end) continue;
+    owned.push_back(c.dof - begin);
+    held_here_.push_back(c.dof);
   }
+  std::ranges::sort(held_here_);
   factored_.take(a, owned);
-  factor_.factor(factored_.matrix());
+  whole_.factor(factored_.matrix());
   stale_ = false;
   dofs_.clear();
   index_.clear();
@@ -110,7 +104,7 @@ void NearField::grow(std::span<const int> dofs) {
   const std::size_t all = n + m;
   dofs_.insert(dofs_.end(), dofs.begin(), dofs.end());
   is_changed_.resize(all, false);
-  std::vector<double> g = factor_.inverse_entries(dofs_, dofs);  // all x m
+  std::vector<double> g = whole_.inverse_entries(dofs_, dofs);  // all x m
   static const LogEvent event("StyletCondense");
   const LogScope scope(event);
   const PetscBLASInt bn = blas(n);
@@ -129,7 +123,11 @@ void NearField::grow(std::span<const int> dofs) {
   PetscBLASInt info = 0;
   LAPACKpotrf_("L", &bm, t.data(), &bm, &info);
   if (info == 0) LAPACKpotri_("L", &bm, t.data(), &bm, &info);
-  if (info != 0) {
+  int failed = info != 0 ? 1 : 0;
+  if (size_of(comm_) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm_));
+  }
+  if (failed != 0) {
     throw NumericalError(
         "the tissue near the needle cannot be condensed: its operator is singular or indefinite");
   }
@@ -160,7 +158,7 @@ void NearField::grow(std::span<const int> dofs) {
   for (std::size_t i = 0; i < k_.size(); ++i) k_[i] += s_[i];
   l_.assign(all * all, 0.0);
   valid_ = 0;
-  const auto values = factor_.loaded(dofs);
+  const auto values = whole_.loaded(dofs);
   y_near_.insert(y_near_.end(), values.begin(), values.end());
   s_y_ = product(s_, y_near_);
 }
@@ -212,13 +210,13 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
 }
 
 void NearField::load(Vec b) {
-  factor_.load(b);
-  y_near_ = factor_.loaded(dofs_);
+  whole_.load(b);
+  y_near_ = whole_.loaded(dofs_);
   s_y_ = product(s_, y_near_);
 }
 
 void NearField::unload() {
-  factor_.unload();
+  whole_.unload();
   y_near_.assign(size(), 0.0);
   s_y_.assign(size(), 0.0);
 }
@@ -278,6 +276,34 @@ NearField::Solution NearField::solve(std::span<const double> extra,
                                      std::span<const Given> given,
                                      std::span<const Given> weights,
                                      double value) {
+  if (size_of(comm_) == 1) return solve_here(extra, given, weights, value);
+  const std::size_t n = size();
+  Solution solution;
+  std::optional<Failure> failure;
+  try {
+    solution = solve_here(extra, given, weights, value);
+  } catch (const Error& error) {
+    failure = Failure{error.code(), error.what()};
+    valid_ = 0;
+  }
+  if (rank_of(comm_) != 0) failure.reset();
+  agree(comm_, failure);
+  std::vector<double> packed(2 * n + 1);
+  packed[0] = solution.lambda;
+  std::ranges::copy(solution.x, packed.begin() + 1);
+  std::ranges::copy(solution.reaction, packed.begin() + 1 + static_cast<std::ptrdiff_t>(n));
+  check_mpi(MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_));
+  solution.lambda = packed[0];
+  const auto middle = packed.begin() + 1 + static_cast<std::ptrdiff_t>(n);
+  solution.x.assign(packed.begin() + 1, middle);
+  solution.reaction.assign(middle, packed.end());
+  return solution;
+}
+
+NearField::Solution NearField::solve_here(std::span<const double> extra,
+                                          std::span<const Given> given,
+                                          std::span<const Given> weights,
+                                          double value) {
   static const LogEvent event("StyletCondense");
   const LogScope scope(event);
   const std::size_t n = size();

@@ -26,9 +26,6 @@ class Cholesky {
   Cholesky& operator=(const Cholesky&) = delete;
   ~Cholesky();
 
-  /// Collective. True if the ranks of each machine have the memory for a factor each.
-  [[nodiscard]] static bool fits(MPI_Comm comm, PetscInt n_dofs);
-
   /// Collective. Throws NumericalError if A is singular or indefinite.
   void factor(Mat a);
 

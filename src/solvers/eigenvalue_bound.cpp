@@ -1,7 +1,7 @@
-#include "stylet/dynamics/eigenvalue_bound.hpp"
+#include "stylet/solvers/eigenvalue_bound.hpp"
 
-#include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/gather.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The triangles as K u of an explicit step needs them: four at a time, with stored gradients, in the
+// The triangles as products with K need them: four at a time, with stored gradients, in the
 // order of their lowest node. A triangle's data are two fifths of the bytes of its share of K's blocks,
 // and one where the dilatation is averaged.
 #pragma once
@@ -82,6 +82,8 @@ class CellKernel {
   }
   [[nodiscard]] const Group* groups() const { return groups_.data(); }
   [[nodiscard]] const Patches* patches() const { return patches_.data(); }
+  /// A twelfth of each triangle's mass (kg), `lanes` a group, if it is consistent.
+  [[nodiscard]] const double* masses() const { return masses_.data(); }
   /// Of each patch, thickness / W_n: patch n is node n's, or its first one's; the rest come last, with
   /// their nodes ascending.
   [[nodiscard]] const std::vector<double>& stiffnesses() const { return patch_stiffness_; }
@@ -100,9 +102,11 @@ class CellKernel {
   void weigh(const Mesh& mesh, const TissueOperator& tissue, int node);
 
   bool averaged_ = false;
+  bool consistent_ = false;
   LocalNodes nodes_;
   std::vector<Group> groups_;     ///< in order, then those of cells that flips took out of it
   std::vector<Patches> patches_;  ///< of the groups, if averaged
+  std::vector<double> masses_;
   std::vector<std::size_t> group_block_;
   std::vector<std::size_t> first_group_;  ///< of a block
   std::vector<std::size_t> reach_;

@@ -1,9 +1,10 @@
 // From the near dofs to all: solves with the factor, and their check.
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/dynamics/near_field.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/solvers/near_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,19 +13,47 @@
 namespace stylet {
 
 void NearField::respond(std::span<const double> forces, Vec x) {
-  factor_.respond(std::span(dofs_).first(forces.size()), forces, false, x);
+  whole_.respond(std::span(dofs_).first(forces.size()), forces, false, x);
 }
 
 void NearField::expand(std::span<const double> x_near, Vec x) {
   std::vector<double> difference(x_near.begin(), x_near.end());
   for (std::size_t i = 0; i < size(); ++i) difference[i] -= y_near_[i];
-  factor_.respond(dofs_, factored_forces(difference), true, x);
+  whole_.respond(dofs_, factored_forces(difference), true, x);
+}
+
+// The largest entry but for those of eliminated dofs.
+double NearField::largest_free(Vec residual) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double size = 0;
+  {
+    const Values r(residual);
+    PetscInt begin = 0;
+    PetscInt end = 0;
+    check(VecGetOwnershipRange(residual, &begin, &end));
+    const auto up_to = [&](PetscInt to) {
+      for (; begin < to; ++begin) {
+        const double entry = std::abs(r[begin]);
+        if (!(entry <= size)) size = std::isnan(entry) ? infinity : entry;
+      }
+    };
+    for (const int dof : held_here_) {
+      up_to(dof);
+      ++begin;
+    }
+    up_to(end);
+  }
+  if (size_of(comm_) > 1) {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &size, 1, MPI_DOUBLE, MPI_MAX, comm_));
+  }
+  return size;
 }
 
 // Iterative refinement: the factor is of an older operator and the dense matrices have been updated
 // many times, so what they leave is solved for again.
-bool NearField::complete(Mat a,
-                         Vec b,
+bool NearField::complete(const Balance& balance,
+                         double largest,
+                         std::span<const double> extra,
                          std::span<const Given> given,
                          std::span<const Given> weights,
                          Solution& solution,
@@ -34,8 +63,8 @@ bool NearField::complete(Mat a,
   constexpr double allowed = 1e-8;
   constexpr int most_rounds = 6;
   expand(solution.x, x);
-  PetscReal scale = 0;
-  check(VecNorm(b, NORM_INFINITY, &scale));
+  double scale = largest;
+  for (const double force : extra) scale = std::max(scale, std::abs(force));
   for (const double force : solution.reaction) scale = std::max(scale, std::abs(force));
   scale = std::max(scale, std::abs(solution.lambda));
   // Round-off of numbers that underflow is not relative to them.
@@ -46,8 +75,7 @@ bool NearField::complete(Mat a,
   for (auto& g : still) g.value = 0;
   double last = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
-    check(MatMult(a, x, residual));
-    check(VecAXPY(residual, -1, b));
+    balance(x, residual);
     {
       Entries r(residual);
       for (std::size_t i = 0; i < size(); ++i) {
@@ -57,15 +85,7 @@ bool NearField::complete(Mat a,
         if (r.owns(dofs_[at])) r[dofs_[at]] -= solution.lambda * weight;
       }
     }
-    check(VecCopy(residual, correction_.get()));
-    {
-      Entries r(correction_.get());
-      for (const int dof : held_) {
-        if (r.owns(dof)) r[dof] = 0;
-      }
-    }
-    PetscReal size = 0;
-    check(VecNorm(correction_.get(), NORM_INFINITY, &size));
+    const double size = largest_free(residual);
     if (size <= wanted * scale) return round > 0;
     if (round == most_rounds || !(size < 0.5 * last)) {
       if (size <= allowed * scale) return round > 0;
@@ -73,7 +93,14 @@ bool NearField::complete(Mat a,
                            exact(scale) + " N are left");
     }
     last = size;
+    check(VecCopy(residual, correction_.get()));
     check(VecScale(correction_.get(), -1));
+    {
+      Entries r(correction_.get());
+      for (const int dof : held_) {
+        if (r.owns(dof)) r[dof] = 0;
+      }
+    }
     load(correction_.get());
     const std::vector<double> none(dofs_.size(), 0.0);
     const Solution more = solve(none, still, weights, 0);

@@ -1,4 +1,4 @@
-#include "stylet/dynamics/constraint_set.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include "stylet/base/errors.hpp"
 

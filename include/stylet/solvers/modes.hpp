@@ -1,8 +1,8 @@
 // Natural frequencies of the supported tissue, K x = omega^2 M x, through SLEPc.
 #pragma once
 
-#include "stylet/dynamics/constraint_set.hpp"
 #include "stylet/fem/tissue_operator.hpp"
+#include "stylet/solvers/constraint_set.hpp"
 
 #include <span>
 #include <vector>

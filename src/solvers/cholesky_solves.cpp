@@ -1,11 +1,11 @@
 // Triangular solves with the fronts of a Cholesky factor.
 #include "stylet/base/index.hpp"
 #include "stylet/base/lanes.hpp"
-#include "stylet/dynamics/cholesky.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/solvers/cholesky.hpp"
 
 #include <petscblaslapack.h>
 

@@ -1,9 +1,9 @@
-#include "stylet/dynamics/modes.hpp"
+#include "stylet/solvers/modes.hpp"
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/dynamics/state.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/gather.hpp"
 #include "stylet/petsc/owned.hpp"
 #include "stylet/petsc/session.hpp"
 

@@ -1,4 +1,4 @@
-#include "stylet/dynamics/cell_kernel.hpp"
+#include "stylet/fem/cell_kernel.hpp"
 
 #include "stylet/base/index.hpp"
 #include "stylet/base/sorted.hpp"
@@ -38,7 +38,8 @@ std::vector<VolumePatch> patches_of(const Mesh& mesh, const TissueOperator& tiss
 }  // namespace
 
 CellKernel::CellKernel(const Mesh& mesh, const TissueOperator& tissue)
-    : averaged_(tissue.parameters().formulation == Formulation::p1_averaged) {
+    : averaged_(tissue.parameters().formulation == Formulation::p1_averaged),
+      consistent_(tissue.parameters().mass == MassKind::consistent) {
   std::vector<int> order = cells_within(mesh, tissue, averaged_ ? 2 : 1);
   std::vector<int> ghosts;
   for (const int c : order) {
@@ -99,6 +100,7 @@ std::size_t CellKernel::add_group(std::size_t of) {
   groups_.push_back(idle);
   group_block_.push_back(of);
   if (averaged_) patches_.push_back(patches);
+  if (consistent_) masses_.resize(lanes * groups_.size());
   return groups_.size() - 1;
 }
 
@@ -124,6 +126,7 @@ void CellKernel::put(std::size_t slot, const Mesh& mesh, const TissueOperator& t
       g.gradient[2 * a + i][lane] = scale * element.gradient[a][i];
     }
   }
+  if (consistent_) masses_[slot] = tissue.density(cell) * volume / 12;
   g.volume[lane] = averaged_ ? std::sqrt(volume / m.mu) / 3 : m.lambda / m.mu;
 }
 
@@ -177,6 +180,7 @@ bool CellKernel::update(const Mesh& mesh,
     const std::size_t own = known ? block_of(nodes) : 0;
     if (!known || own < group_block_[slot / lanes]) {  // after a flip
       for (auto& values : groups_[slot / lanes].gradient) values[slot % lanes] = 0;
+      if (consistent_) masses_[slot] = 0;
       slot = nowhere;
       if (!known) continue;
       slot = lanes * add_group(own);

@@ -1,4 +1,4 @@
-#include "stylet/dynamics/cholesky.hpp"
+#include "stylet/solvers/cholesky.hpp"
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/index.hpp"
@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <unistd.h>
 
 namespace stylet {
 
@@ -55,21 +54,6 @@ Cholesky::Cholesky(MPI_Comm comm, PetscInt n_dofs)
 Cholesky::~Cholesky() {
   cholmod_l_free_factor(&l_, &common_);
   cholmod_l_finish(&common_);
-}
-
-bool Cholesky::fits(MPI_Comm comm, PetscInt n_dofs) {
-  if (size_of(comm) == 1) return true;
-  // Measured on meshes of 1e5 to 1e6 triangles; n log n, so more than enough on smaller ones.
-  constexpr double bytes_a_dof = 2400;
-  MPI_Comm machine = MPI_COMM_NULL;
-  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  const double needed = bytes_a_dof * n_dofs * size_of(machine);
-  check_mpi(MPI_Comm_free(&machine));
-  const double memory =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  int enough = needed < 0.5 * memory ? 1 : 0;
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &enough, 1, MPI_INT, MPI_MIN, comm));
-  return enough == 1;
 }
 
 void Cholesky::factor(Mat a) {
@@ -125,7 +109,11 @@ void Cholesky::read(Mat whole) {
     }
   }
   first[n_] = n;
-  if (l_ == nullptr) l_ = cholmod_l_analyze(upper, &common_);
+  if (l_ == nullptr) {
+    static const LogEvent event("StyletOrder");
+    const LogScope scope(event);
+    l_ = cholmod_l_analyze(upper, &common_);
+  }
   if (l_ != nullptr) cholmod_l_factorize(upper, l_, &common_);
   cholmod_l_free_sparse(&upper, &common_);
   if (l_ == nullptr || common_.status < 0) fail(false);

@@ -3,8 +3,8 @@
 // taken: of x = 1 (Gershgorin), and of an x near the best one for the mesh as it was at the start.
 #pragma once
 
-#include "stylet/dynamics/maximum_tree.hpp"
 #include "stylet/fem/tissue_operator.hpp"
+#include "stylet/solvers/maximum_tree.hpp"
 
 #include <span>
 #include <vector>

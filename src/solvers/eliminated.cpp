@@ -1,4 +1,4 @@
-#include "stylet/dynamics/eliminated.hpp"
+#include "stylet/solvers/eliminated.hpp"
 
 #include "stylet/petsc/check.hpp"
 

@@ -1,0 +1,97 @@
+// The whole tissue's solver, A0 x = b: PETSc's KSP, as the near field needs it.
+//
+// By default the KSP is `preonly` and its PC our factor (cholesky.hpp): then columns of the inverse
+// come along paths of the elimination tree, and a solve is split around the near field's trials.
+// PETSc's options -ksp_*, -pc_* take any other solver: columns are then solves each. What only looks
+// on (-ksp_view, -ksp_monitor, -ksp_converged_reason) leaves the default as it is, bit for bit.
+#pragma once
+
+#include "stylet/petsc/owned.hpp"
+#include "stylet/solvers/cholesky.hpp"
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace stylet {
+
+enum class SolverKind {
+  factor_everywhere,   ///< our factor, all of it on every rank
+  factor_distributed,  ///< MUMPS
+  multigrid            ///< conjugate gradients with GAMG
+};
+
+/// By what the factor takes of the memory of a machine (bytes): at most half of it for a factor on
+/// every rank; else, on several ranks, a shared one, which takes twice the room of its numbers; else
+/// none.
+[[nodiscard]] SolverKind solver_for(PetscInt n_dofs,
+                                    int ranks,
+                                    int ranks_of_machine,
+                                    double machine_memory);
+
+class WholeSolver {
+ public:
+  /// Collective. n_dofs: of all ranks.
+  WholeSolver(MPI_Comm comm, PetscInt n_dofs);
+  WholeSolver(const WholeSolver&) = delete;
+  WholeSolver& operator=(const WholeSolver&) = delete;
+  ~WholeSolver() = default;
+
+  /// Collective. The operator, lent until the next one; its pattern stays as long as its object does.
+  /// Throws NumericalError if it is singular or indefinite.
+  void factor(Mat a);
+
+  /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
+  [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
+                                                    std::span<const int> columns);
+
+  /// Collective. y = A^-1 b, as far as `loaded` and `respond` need it. b is lent until the next load
+  /// or unload.
+  void load(Vec b);
+  /// b = 0.
+  void unload();
+  /// Collective. y at these dofs, on every rank.
+  [[nodiscard]] std::vector<double> loaded(std::span<const int> dofs);
+  /// Collective. x = A^-1 (forces on dofs), and y if it is asked for.
+  void respond(std::span<const int> dofs, std::span<const double> forces, bool add_loaded, Vec x);
+
+  /// Of KSP since the last call, 0 with a direct solver.
+  [[nodiscard]] int take_iterations() { return std::exchange(iterations_, 0); }
+  /// Its KSP and PC, and who chose them. Of the first `factor` on.
+  [[nodiscard]] std::string name() const;
+
+ private:
+  struct Split {
+    std::span<const int> dofs;
+    std::span<const double> forces;
+    bool add_loaded;
+  };
+  static PetscErrorCode set_up(PC shell);
+  static PetscErrorCode apply(PC shell, Vec b, Vec x);
+  void configure();
+  void solve(Vec b, Vec x);
+  void require_solved(Vec b, Vec x);
+  void require_converged();
+
+  MPI_Comm comm_;
+  PetscInt n_dofs_;
+  SolverKind kind_;
+  Mat a_ = nullptr;
+  OwnedKsp ksp_;
+  Cholesky cholesky_;
+  bool configured_ = false;
+  bool ours_ = false;             ///< the KSP does nothing but apply our factor
+  bool direct_ = false;           ///< no iterations
+  bool chosen_ = false;           ///< by options
+  const Split* split_ = nullptr;  ///< of the right-hand side that the KSP is solving for
+  int iterations_ = 0;
+  bool loaded_ = false;
+  Vec b_ = nullptr;
+  OwnedVec y_;  ///< unless ours
+  OwnedVec rhs_;
+  OwnedVec column_;  ///< of the inverse
+  OwnedVec work_;
+};
+
+}  // namespace stylet

@@ -1,0 +1,343 @@
+#include "stylet/solvers/whole_solver.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/index.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/gather.hpp"
+#include "stylet/petsc/log.hpp"
+#include "stylet/petsc/session.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
+#include <unistd.h>
+
+namespace stylet {
+
+namespace {
+
+// Of the true residual where an iterative solver is asked for: columns of the inverse make the near
+// field, whose answers are good to 1e-9.
+constexpr double tolerance = 1e-12;
+constexpr int most_iterations = 2000;
+// What options may make of it.
+constexpr double largest_tolerance = 1e-8;
+
+bool is_given(const char* option) {
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, option, &given));
+  return given == PETSC_TRUE;
+}
+
+std::string type_of(KSP ksp) {
+  KSPType type = nullptr;
+  check(KSPGetType(ksp, &type));
+  return type;
+}
+
+std::string type_of(PC pc) {
+  PCType type = nullptr;
+  check(PCGetType(pc, &type));
+  return type;
+}
+
+bool is_direct(const std::string& pc) {
+  return pc == PCCHOLESKY || pc == PCLU || pc == PCREDUNDANT || pc == PCSHELL;
+}
+
+// GAMG takes 1.1 times its estimate of the largest eigenvalue for a bound. Too low a bound makes its
+// Chebyshev smoother indefinite, which ends CG: seen on 19,616 triangles around a needle.
+void widen_smoother(PC pc) {
+  constexpr const char* option = "-mg_levels_ksp_chebyshev_esteig";
+  if (type_of(pc) != PCGAMG || is_given(option)) return;
+  check(PetscOptionsSetValue(nullptr, option, "0,0.1,0,1.3"));
+}
+
+SolverKind kind_for(MPI_Comm comm, PetscInt n_dofs) {
+  MPI_Comm machine = MPI_COMM_NULL;
+  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  const double memory =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  int kind = static_cast<int>(solver_for(n_dofs, size_of(comm), size_of(machine), memory));
+  check_mpi(MPI_Comm_free(&machine));
+  // The machine with the least room decides.
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm));
+  return static_cast<SolverKind>(kind);
+}
+
+}  // namespace
+
+SolverKind solver_for(PetscInt n_dofs, int ranks, int ranks_of_machine, double machine_memory) {
+  // Measured on meshes of 1e5 to 1e6 triangles; n log n, so more than enough on smaller ones.
+  constexpr double bytes_a_dof = 2400;
+  const double factor = bytes_a_dof * n_dofs;
+  const double room = 0.5 * machine_memory;
+  if (factor * ranks_of_machine < room) return SolverKind::factor_everywhere;
+  if (ranks > 1 && 2 * factor * ranks_of_machine / ranks < room) {
+    return SolverKind::factor_distributed;
+  }
+  return SolverKind::multigrid;
+}
+
+WholeSolver::WholeSolver(MPI_Comm comm, PetscInt n_dofs)
+    : comm_(comm), n_dofs_(n_dofs), kind_(kind_for(comm, n_dofs)), cholesky_(comm, n_dofs) {}
+
+PetscErrorCode WholeSolver::set_up(PC shell) {
+  return guard([&] {
+    void* context = nullptr;
+    check(PCShellGetContext(shell, &context));
+    auto* self = static_cast<WholeSolver*>(context);
+    self->cholesky_.factor(self->a_);
+  });
+}
+
+PetscErrorCode WholeSolver::apply(PC shell, Vec b, Vec x) {
+  return guard([&] {
+    void* context = nullptr;
+    check(PCShellGetContext(shell, &context));
+    auto* self = static_cast<WholeSolver*>(context);
+    if (self->split_ != nullptr) {  // of b, which has been solved for in part
+      const auto& [dofs, forces, add_loaded] = *self->split_;
+      self->cholesky_.respond(dofs, forces, add_loaded, x);
+    } else {
+      self->cholesky_.load(b);
+      self->cholesky_.respond({}, {}, true, x);
+    }
+  });
+}
+
+void WholeSolver::configure() {
+  configured_ = true;
+  check(KSPCreate(comm_, ksp_.put()));
+  check(KSPSetType(ksp_.get(), KSPPREONLY));
+  // The first guess is zero; an absolute tolerance would make small loads answerless.
+  check(KSPSetTolerances(ksp_.get(), tolerance, 1e-300, PETSC_DEFAULT, most_iterations));
+  PC pc = nullptr;
+  check(KSPGetPC(ksp_.get(), &pc));
+  const bool another_factor = is_given("-pc_factor_mat_solver_type");
+  if (kind_ == SolverKind::multigrid && !another_factor) {
+    check(PCSetType(pc, PCGAMG));
+  } else if (kind_ == SolverKind::factor_distributed || another_factor) {
+    check(PCSetType(pc, PCCHOLESKY));
+    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  } else {
+    check(PCSetType(pc, PCSHELL));
+    check(PCShellSetName(pc, "CHOLMOD's factor, on every rank, solved along its elimination tree"));
+    check(PCShellSetContext(pc, this));
+    check(PCShellSetSetUp(pc, set_up));
+    check(PCShellSetApply(pc, apply));
+  }
+  const std::string before = type_of(pc);
+  check(KSPSetOperators(ksp_.get(), a_, a_));
+  check(KSPSetFromOptions(ksp_.get()));
+  const std::string after = type_of(pc);
+  if (!is_given("-ksp_type") && !is_direct(after)) check(KSPSetType(ksp_.get(), KSPCG));
+  const std::string ksp = type_of(ksp_.get());
+  // The residual that stands in the near field's equations, not one that a PC has scaled.
+  if (ksp == KSPCG && !is_given("-ksp_norm_type")) {
+    check(KSPSetNormType(ksp_.get(), KSP_NORM_UNPRECONDITIONED));
+  }
+  widen_smoother(pc);
+  PetscReal wanted = 0;
+  check(KSPGetTolerances(ksp_.get(), &wanted, nullptr, nullptr, nullptr));
+  if (wanted > largest_tolerance) {
+    throw InputError(
+        "PETSc option -ksp_rtol: allowed: at most 1e-8, so that displacements can be "
+        "relied on");
+  }
+  direct_ = ksp == KSPPREONLY;
+  ours_ = direct_ && after == PCSHELL && before == PCSHELL;
+  chosen_ = another_factor || is_given("-ksp_type") || is_given("-pc_type");
+}
+
+void WholeSolver::factor(Mat a) {
+  loaded_ = false;
+  const bool same_layout = y_ && a == a_;
+  a_ = a;
+  if (!same_layout) {
+    for (OwnedVec* vec : {&y_, &rhs_, &column_, &work_})
+      check(MatCreateVecs(a, vec->put(), nullptr));
+  }
+  if (configured_) {
+    check(KSPSetOperators(ksp_.get(), a, a));
+  } else {
+    configure();
+  }
+  check(KSPSetUp(ksp_.get()));
+  PC pc = nullptr;
+  PCFailedReason reason = PC_NOERROR;
+  check(KSPGetPC(ksp_.get(), &pc));
+  check(PCGetFailedReason(pc, &reason));
+  if (reason == PC_NOERROR) return;
+  throw NumericalError(
+      "the step's operator cannot be factored: it is singular or indefinite (is "
+      "the tissue supported, and are all elements valid?)");
+}
+
+std::string WholeSolver::name() const {
+  if (!configured_) return "none";
+  PC pc = nullptr;
+  check(KSPGetPC(ksp_.get(), &pc));
+  std::string text = type_of(ksp_.get()) + ", " + type_of(pc);
+  if (type_of(pc) == PCSHELL) {
+    text = type_of(ksp_.get()) + ", cholmod on every rank";
+  } else if (type_of(pc) == PCCHOLESKY || type_of(pc) == PCLU) {
+    MatSolverType package = nullptr;
+    check(PCFactorGetMatSolverType(pc, &package));
+    if (package != nullptr) text += std::string(" (") + package + ")";
+  }
+  return text + (chosen_ ? ", by options" : ", by size");
+}
+
+void WholeSolver::require_converged() {
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscInt iterations = 0;
+  check(KSPGetConvergedReason(ksp_.get(), &reason));
+  check(KSPGetIterationNumber(ksp_.get(), &iterations));
+  if (!direct_) iterations_ += iterations;
+  if (reason >= 0) return;
+  throw NumericalError(std::string("the linear solver did not converge for the whole tissue: ") +
+                       KSPConvergedReasons[reason] + " after " + std::to_string(iterations) +
+                       " iterations");
+}
+
+/// Options can end the iteration early and call it converged (-ksp_type preonly with a weak PC,
+/// -ksp_norm_type none): what counts is how far the answer is from solving the system.
+void WholeSolver::require_solved(Vec b, Vec x) {
+  PetscReal miss = 0;
+  PetscReal size = 0;
+  check(VecNorm(b, NORM_2, &size));
+  check(MatMult(a_, x, work_.get()));
+  check(VecAXPY(work_.get(), -1, b));
+  check(VecNorm(work_.get(), NORM_2, &miss));
+  if (miss <= largest_tolerance * size) return;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "the linear solver left a residual of %.1e (allowed: %.1e) for the whole tissue; "
+                "solver options (after --), if there are any, do not fit this scene",
+                miss, largest_tolerance * size);
+  throw NumericalError(text);
+}
+
+void WholeSolver::solve(Vec b, Vec x) {
+  static const LogEvent event("StyletSolve");
+  const LogScope scope(event);
+  check(KSPSolve(ksp_.get(), b, x));
+  require_converged();
+  require_solved(b, x);
+}
+
+std::vector<double> WholeSolver::inverse_entries(std::span<const int> rows,
+                                                 std::span<const int> columns) {
+  if (ours_) return cholesky_.inverse_entries(rows, columns);
+  static const LogEvent event("StyletColumns");
+  const LogScope scope(event);
+  std::vector<double> entries;
+  entries.reserve(rows.size() * columns.size());
+  const auto take = [&](Vec b, Vec x) {
+    require_solved(b, x);
+    const Vec vectors[1] = {x};
+    const auto column = gather(vectors, rows)[0];
+    entries.insert(entries.end(), column.begin(), column.end());
+  };
+  if (!direct_) {
+    for (const int dof : columns) {
+      check(VecSet(rhs_.get(), 0));
+      set_owned(rhs_.get(), dof, 1);
+      check(KSPSolve(ksp_.get(), rhs_.get(), column_.get()));
+      require_converged();
+      take(rhs_.get(), column_.get());
+    }
+    return entries;
+  }
+  constexpr std::size_t batch = 16;
+  PetscInt n_local = 0;
+  check(VecGetLocalSize(rhs_.get(), &n_local));
+  for (std::size_t first = 0; first < columns.size(); first += batch) {
+    const auto some = columns.subspan(first, std::min(batch, columns.size() - first));
+    const auto n = static_cast<PetscInt>(some.size());
+    OwnedMat units;
+    OwnedMat solutions;
+    check(MatCreateDense(comm_, n_local, PETSC_DECIDE, n_dofs_, n, nullptr, units.put()));
+    check(MatZeroEntries(units.get()));
+    PetscInt begin = 0;
+    PetscInt end = 0;
+    check(MatGetOwnershipRange(units.get(), &begin, &end));
+    for (PetscInt k = 0; k < n; ++k) {
+      const PetscInt dof = some[at(k)];
+      if (dof >= begin && dof < end) check(MatSetValue(units.get(), dof, k, 1, INSERT_VALUES));
+    }
+    check(MatAssemblyBegin(units.get(), MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(units.get(), MAT_FINAL_ASSEMBLY));
+    check(MatDuplicate(units.get(), MAT_DO_NOT_COPY_VALUES, solutions.put()));
+    check(KSPMatSolve(ksp_.get(), units.get(), solutions.get()));
+    require_converged();
+    for (PetscInt k = 0; k < n; ++k) {
+      Vec b = nullptr;
+      Vec x = nullptr;
+      check(MatDenseGetColumnVecRead(units.get(), k, &b));
+      check(MatDenseGetColumnVecRead(solutions.get(), k, &x));
+      take(b, x);
+      check(MatDenseRestoreColumnVecRead(solutions.get(), k, &x));
+      check(MatDenseRestoreColumnVecRead(units.get(), k, &b));
+    }
+  }
+  return entries;
+}
+
+void WholeSolver::load(Vec b) {
+  loaded_ = true;
+  b_ = b;
+  if (ours_) {
+    cholesky_.load(b);
+  } else {
+    solve(b, y_.get());
+  }
+}
+
+void WholeSolver::unload() {
+  loaded_ = false;
+  if (ours_) cholesky_.unload();
+}
+
+std::vector<double> WholeSolver::loaded(std::span<const int> dofs) {
+  if (ours_) return cholesky_.loaded(dofs);
+  if (!loaded_) return std::vector<double>(dofs.size(), 0.0);
+  const Vec vectors[1] = {y_.get()};
+  return gather(vectors, dofs)[0];
+}
+
+void WholeSolver::respond(std::span<const int> dofs,
+                          std::span<const double> forces,
+                          bool add_loaded,
+                          Vec x) {
+  const bool with_load = add_loaded && loaded_;
+  if (with_load && ours_) {
+    check(VecCopy(b_, rhs_.get()));
+  } else {
+    check(VecSet(rhs_.get(), 0));
+  }
+  {
+    Entries rhs(rhs_.get());
+    for (std::size_t i = 0; i < dofs.size(); ++i) {
+      if (rhs.owns(dofs[i])) rhs[dofs[i]] += forces[i];
+    }
+  }
+  if (!ours_) {
+    solve(rhs_.get(), x);
+    if (with_load) check(VecAXPY(x, 1, y_.get()));
+    return;
+  }
+  const Split split{dofs, forces, add_loaded};
+  split_ = &split;
+  try {
+    check(KSPSolve(ksp_.get(), rhs_.get(), x));
+  } catch (...) {
+    split_ = nullptr;
+    throw;
+  }
+  split_ = nullptr;
+}
+
+}  // namespace stylet
