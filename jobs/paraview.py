@@ -10,9 +10,10 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 VIEW = "STYLET_PARAVIEW"  # tells the script that it runs inside ParaView, and what to show
-PICTURE = "paraview.png"
+PICTURE = "paraview/picture.png"
 
 EXAMPLES = """examples:
   jobs/paraview.py out/prostate
@@ -28,6 +29,24 @@ PARTS = {"membrane": (WHITE, 3, 1), "needle": (DARK, 6, 1), "targets": (WHITE, 1
          "seeds": (SEED, 1, 12)}
 SIZE = [1200, 900]  # of a picture
 FONT = 10
+
+
+def file_of(part):
+    return f"paraview/{part}.xdmf"
+
+
+def write_part(folder, part):
+    """snapshots_needle.xdmf with one of its parts: ParaView's reader does not tell them apart. Where
+    the part is not there, the moment stays, empty."""
+    tree = ElementTree.parse(folder / "snapshots_needle.xdmf")
+    for moment in tree.getroot().findall("Domain/Grid/Grid"):
+        for grid in moment.findall("Grid"):
+            if grid.get("Name") != part:
+                moment.remove(grid)
+    for item in tree.getroot().iter("DataItem"):
+        if item.get("Format") == "HDF":
+            item.text = "../" + item.text.strip()
+    tree.write(folder / file_of(part))
 
 
 def show(view):
@@ -74,13 +93,9 @@ def show(view):
     bar.ScalarBarLength = 0.5
     shown.SetScalarBarVisibility(render, True)
 
-    parts = view["parts"]
-    for name in (name for name in PARTS if name in parts):
+    for name in (name for name in PARTS if name in view["parts"]):
         colour, width, size = PARTS[name]
-        # The older reader: it knows the parts by their names, and may leave out the others.
-        part = pv.XDMFReader(FileNames=[f"{view['folder']}/snapshots_needle.xdmf"])
-        part.UpdatePipeline(times[0])
-        part.GridStatus = [grid for grid in part.GridStatus if grid.split("[")[0] == name]
+        part = pv.OpenDataFile(f"{view['folder']}/{file_of(name)}")
         pv.RenameSource(name, part)
         look = pv.Show(part, render)
         look.Representation = "Surface" if size > 1 else "Wireframe"
@@ -96,7 +111,7 @@ def show(view):
     render.Background = [0.96, 0.96, 0.965]
     render.InteractionMode = "2D"
     animation = pv.GetAnimationScene()
-    animation.UpdateAnimationUsingDataTimeSteps()
+    animation.PlayMode = "Snap To TimeSteps"
     animation.AnimationTime = time
     render.ViewTime = time
     x0, x1, y0, y1 = view["bounds"]
@@ -145,7 +160,7 @@ def wanted_view(options):
     low = [float(min(c[k] for c in corners)) for k in (0, 1)]
     high = [float(max(c[k] for c in corners)) for k in (0, 1)]
     return {"folder": str(folder), "jobs": str(Path(__file__).resolve().parent), "field": options.field,
-            "unit": unit.decode() if isinstance(unit, bytes) else str(unit), "parts": sorted(parts),
+            "unit": unit.decode() if isinstance(unit, bytes) else str(unit), "parts": [part for part in PARTS if part in parts],
             "time": options.time, "bounds": [low[0], high[0], low[1], high[1]],
             "picture": str(folder / PICTURE) if options.picture else ""}
 
@@ -185,12 +200,20 @@ def launch(options):
     program = "pvpython" if options.picture else "paraview"
     if shutil.which(program) is None:
         raise BadInput(f"{program} is missing: apt-get install paraview python3-paraview")
-    environment = dict(os.environ, **{VIEW: json.dumps(view)})
+    names = [file_of(part) for part in view["parts"]] + ([PICTURE] if options.picture else [])
+    (options.outdir / "paraview").mkdir(exist_ok=True)
+    own = OwnFiles(options.outdir)
+    own.claim(names)
+    try:
+        for part in view["parts"]:
+            write_part(options.outdir, part)
+    except ElementTree.ParseError as error:
+        raise BadInput(f"{options.outdir / 'snapshots_needle.xdmf'}: cannot be read: {error}") from None
+    own.seal(names[: len(view["parts"])])
     script = str(Path(__file__).resolve())
+    environment = dict(os.environ, **{VIEW: json.dumps(view)})
     if not options.picture:
         return subprocess.run(["paraview", f"--script={script}"], env=environment, check=False).returncode
-    own = OwnFiles(options.outdir)
-    own.claim([PICTURE])
     with display(environment):
         drawn = subprocess.run(["pvpython", "--force-offscreen-rendering", script], env=environment,
                                capture_output=True, text=True, check=False)

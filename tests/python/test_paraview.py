@@ -24,7 +24,7 @@ class ParaView(CliTest):
     def pixels(self):
         from PIL import Image
 
-        return Image.open(self.folder / "out/paraview.png").convert("RGB")
+        return Image.open(self.folder / "out/paraview/picture.png").convert("RGB")
 
     def share(self, picture, is_colour):
         return sum(map(is_colour, picture.getdata())) / (picture.width * picture.height)
@@ -51,9 +51,9 @@ class ParaView(CliTest):
         outcome = self.draw("--field", "colour")
         self.assert_code(outcome, BAD_INPUT)
         self.assertIn("von_mises", outcome.err)
-        (self.folder / "out/paraview.png").write_text("mine")
+        (self.folder / "out/paraview/picture.png").write_text("mine")
         self.assert_code(self.draw(), BAD_INPUT)
-        self.assertEqual((self.folder / "out/paraview.png").read_text(), "mine")
+        self.assertEqual((self.folder / "out/paraview/picture.png").read_text(), "mine")
         (self.folder / "out/snapshots.h5").unlink()
         self.assert_code(self.draw(), BAD_INPUT)
 
