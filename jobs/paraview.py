@@ -111,7 +111,7 @@ def show(view):
     render.Background = [0.96, 0.96, 0.965]
     render.InteractionMode = "2D"
     animation = pv.GetAnimationScene()
-    animation.PlayMode = "Snap To TimeSteps"
+    animation.UpdateAnimationUsingDataTimeSteps()
     animation.AnimationTime = time
     render.ViewTime = time
     x0, x1, y0, y1 = view["bounds"]
