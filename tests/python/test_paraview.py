@@ -51,6 +51,7 @@ class ParaView(CliTest):
         outcome = self.draw("--field", "colour")
         self.assert_code(outcome, BAD_INPUT)
         self.assertIn("von_mises", outcome.err)
+        (self.folder / "out/paraview").mkdir()
         (self.folder / "out/paraview/picture.png").write_text("mine")
         self.assert_code(self.draw(), BAD_INPUT)
         self.assertEqual((self.folder / "out/paraview/picture.png").read_text(), "mine")
