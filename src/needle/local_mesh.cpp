@@ -126,6 +126,21 @@ std::optional<EdgeFlip> best_flip(const Mesh& mesh,
   return best;
 }
 
+std::vector<int> rewrite(Mesh& mesh, const NeedleEdits& edits) {
+  std::vector<int> touched;
+  for (const auto& move : edits.moves) {
+    mesh.move_node(move.node, move.x);
+    const auto around = mesh.cells_around(move.node);
+    touched.insert(touched.end(), around.begin(), around.end());
+  }
+  for (const auto& edge : edits.flips) {
+    const auto both = mesh.cells_with(edge.a, edge.b);
+    mesh.flip_edge(edge.a, edge.b);
+    touched.insert(touched.end(), both.begin(), both.end());
+  }
+  return touched;
+}
+
 std::vector<EdgeFlip> repair(Mesh& mesh,
                              const Track& track,
                              std::vector<int>& touched_cells,

@@ -2,7 +2,9 @@
 
 #include "stylet/needle/stops.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stylet {
 
@@ -10,6 +12,7 @@ void Motion::enter(double skin_along, double along_sign) {
   along_sign_ = along_sign;
   skin_ = skin_along;
   tip_ = skin_along;
+  go_on(false);
 }
 
 std::optional<double> Motion::target() const {
@@ -20,9 +23,34 @@ std::optional<double> Motion::target() const {
   return std::nullopt;  // all the way out
 }
 
-bool Motion::is_no_motion() const {
-  const auto end = target();
-  return end && stylet::is_no_motion(tip_, *end);
+Awaited Motion::awaits() const {
+  if (finished()) return Awaited::nothing;
+  const Action& a = action();
+  if (a.kind == ActionKind::retract && !target()) return Awaited::withdrawal;
+  if (a.kind == ActionKind::settle && !a.duration) return Awaited::rest;
+  return Awaited::nothing;
+}
+
+// The one place where an action ends, but for an implant.
+bool Motion::is_over(bool awaited) const {
+  if (awaits() != Awaited::nothing) return awaited;
+  if (const auto end = target()) return is_no_motion(tip_, *end);
+  return action().duration && h_ > 0 && left_ == 0;
+}
+
+void Motion::go_on(bool awaited) {
+  while (!finished() && is_over(std::exchange(awaited, false))) {
+    ++at_;
+    elapsed_ = 0;
+    h_ = 0;
+    left_ = 0;
+  }
+}
+
+bool Motion::will_implant() const {
+  const auto next = actions_.begin() + static_cast<std::ptrdiff_t>(at_) + 1;
+  return std::any_of(next, actions_.end(),
+                     [](const Action& a) { return a.kind == ActionKind::implant; });
 }
 
 NeedleStep Motion::next(double longest) {
@@ -49,17 +77,16 @@ NeedleStep Motion::next(double longest) {
   return step;
 }
 
-void Motion::commit(const NeedleStep& step) {
+void Motion::taken(const NeedleStep& step, bool awaited) {
   tip_ = step.to;
   elapsed_ += step.h;
-  if (left_ > 0 && --left_ == 0) finish_action();
+  if (left_ > 0) --left_;
+  go_on(awaited);
 }
 
-void Motion::finish_action() {
+void Motion::implanted() {
   ++at_;
-  elapsed_ = 0;
-  h_ = 0;
-  left_ = 0;
+  go_on(false);
 }
 
 }  // namespace stylet

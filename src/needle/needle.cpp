@@ -58,14 +58,14 @@ Needle::Needle(NeedleParameters parameters, NeedleTissue tissue, bool velocity_l
       tissue_(std::move(tissue)),
       velocity_level_(velocity_level),
       axis_{parameters_.height},
-      motion_(parameters_.motion),
       punctures_(tissue_.earlier.punctures) {}
 
 NeedleEdits Needle::enter(const Mesh& mesh, const Entry& entry, const NeedleView& start) {
   const NodeState state =
       interpolate(entry.fraction, start.at(entry.node), start.at(entry.neighbour));
   track_.push({entry.node});
-  motion_.enter(axis_.along(displaced(entry.x, state.u)), Axis::along_sign);
+  skin_along_ = axis_.along(displaced(entry.x, state.u));
+  tip_along_ = skin_along_;
   // The entry node slides by at most the edge to its neighbour.
   const double slide = distance(mesh.point(entry.node), entry.x);
   skin_ = Skin(mesh, entry.node, 0.5 * parameters_.cutting.tip_length + slide);
@@ -270,7 +270,7 @@ NeedleEdits Needle::plan(const Mesh& mesh, const NeedleView& start) {
   const int tip = track_.tip();
   const auto stuck = [&](const std::string& why) {
     return NumericalError("needle '" + parameters_.name + "' cannot advance, " +
-                          ten_digits(motion_.tip() - motion_.skin()) +
+                          ten_digits(tip_along_ - skin_along_) +
                           " m behind its entry point: " + why);
   };
   if (!base_) {
@@ -672,7 +672,7 @@ NeedleStepReport Needle::commit(const Mesh& mesh,
     }
     if (released()) phase_ = NeedlePhase::withdrawn;
   }
-  motion_.commit(step_);
+  tip_along_ = step_.to;
   return report;
 }
 

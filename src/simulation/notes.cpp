@@ -101,7 +101,7 @@ void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
           "consistent");
     }
     if (cutting.tip_length == 0) continue;
-    const int region = simulation.mesh().region(seed.place.cell);
+    const int region = simulation.mesh().region(simulation.place_of(seed).cell);
     const auto& name = simulation.mesh().data().region_names[static_cast<std::size_t>(region)];
     const auto tissue = std::ranges::find(scene.tissue.regions, name, &RegionTissue::region);
     const double error =
@@ -115,7 +115,7 @@ void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
 }
 
 void note_held_corners(const Simulation& simulation, std::vector<std::string>& notes) {
-  for (const HeldCorner& corner : simulation.conditions().held_corners()) {
+  for (const HeldCorner& corner : simulation.body().conditions().held_corners()) {
     const Scene& scene = simulation.scene();
     notes.push_back("a support holds " + point_text(scene, simulation.mesh().point(corner.node)) +
                     ", a point of curve '" + scene.prescribed[corner.prescribed].curve +

@@ -139,7 +139,7 @@ class Overview {
           column(curve, name_width_) + column(length_text(length), 11) +
               (condition == "free" && !outside ? "inside, without a condition" : condition));
     }
-    for (const HeldCorner& corner : simulation_.conditions().held_corners()) {
+    for (const HeldCorner& corner : simulation_.body().conditions().held_corners()) {
       add("curves", "where '" + scene_.prescribed[corner.prescribed].curve +
                         "' meets a support, at " + centimetres(scene_, mesh_.point(corner.node)) +
                         ", the support holds");

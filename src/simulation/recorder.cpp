@@ -74,7 +74,7 @@ std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
   const Scene& scene = simulation.scene();
   if (!scene.needles.empty()) {
     const Needle& needle = *simulation.needle();
-    const auto world = turn.to_scene(needle.axis().at<WorldFrame>(needle.motion().tip()));
+    const auto world = turn.to_scene(needle.axis().at<WorldFrame>(needle.tip()));
     const auto reference = turn.to_scene(needle.tip_point(simulation.mesh()));
     const auto& forces = step.needle.forces;
     row.insert(row.end(), {world.x, world.y, reference.x, reference.y, forces.tip, forces.friction,
@@ -90,14 +90,14 @@ std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
   const Energies& e = simulation.energies();
   row.insert(row.end(), {e.kinetic, e.strain, e.dissipated, e.external, e.edits, e.balance_error(),
                          static_cast<double>(step.passes), static_cast<double>(step.iterations)});
-  const auto probes = simulation.world(simulation.probes());
+  const auto probes = simulation.body().world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
     row.push_back(u.x);
     row.push_back(u.y);
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    const Vector2 force = turn.to_scene(simulation.curve_reaction(i));
+    const Vector2 force = turn.to_scene(simulation.body().curve_reaction(i));
     row.push_back(force.x);
     row.push_back(force.y);
   }
@@ -270,18 +270,18 @@ void Recorder::snapshot(const Simulation& simulation) {
     const auto& axis = needle->axis();
     snapshot.polylines.push_back(
         {"needle",
-         plain(turn, std::vector{axis.at<WorldFrame>(needle->motion().skin() - outside),
-                                 axis.at<WorldFrame>(needle->motion().tip())}),
+         plain(turn, std::vector{axis.at<WorldFrame>(needle->skin() - outside),
+                                 axis.at<WorldFrame>(needle->tip())}),
          false});
   }
   if (!simulation.membrane().empty()) {
     snapshot.polylines.push_back(
-        {"membrane", plain(turn, simulation.world(simulation.membrane())), true});
+        {"membrane", plain(turn, simulation.body().world(simulation.membrane())), true});
   }
   if (!simulation.seeds().empty()) {
     std::vector<EmbeddedPoint> places;
-    for (const auto& seed : simulation.seeds()) places.push_back(seed.place);
-    snapshot.point_sets.push_back({"seeds", plain(turn, simulation.world(places))});
+    for (const auto& seed : simulation.seeds()) places.push_back(simulation.place_of(seed));
+    snapshot.point_sets.push_back({"seeds", plain(turn, simulation.body().world(places))});
   }
   if (!simulation.scene().targets.empty()) {
     std::vector<ReferencePoint> targets;
@@ -304,8 +304,8 @@ ordered_json summarise(MPI_Comm comm,
   summary["time"] = simulation.time();
   summary["seeds"] = ordered_json::array();
   std::vector<EmbeddedPoint> places;
-  for (const auto& seed : simulation.seeds()) places.push_back(seed.place);
-  const auto world = simulation.world(places);
+  for (const auto& seed : simulation.seeds()) places.push_back(simulation.place_of(seed));
+  const auto world = simulation.body().world(places);
   const auto errors = simulation.placement_errors();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto& seed = simulation.seeds()[i];
@@ -348,13 +348,13 @@ ordered_json summarise(MPI_Comm comm,
   if (scene.time.method == TimeMethod::explicit_newmark) {
     summary["stable_step"] = counts.stable_step;
   }
-  const auto probes = simulation.world(simulation.probes());
+  const auto probes = simulation.body().world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
     summary["probes"][scene.probes[i].name] = {u.x, u.y};
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    const Vector2 force = turn.to_scene(simulation.curve_reaction(i));
+    const Vector2 force = turn.to_scene(simulation.body().curve_reaction(i));
     summary["reactions"][scene.prescribed[i].curve] = {force.x, force.y};
   }
   const Energies& e = simulation.energies();

@@ -39,8 +39,7 @@ std::string progress_text(const Simulation& simulation, const StepRecord& step) 
   char text[200];
   if (const Needle* needle = simulation.needle(); needle != nullptr) {
     std::snprintf(text, sizeof text, "t %.3f s  %s  tip %.2f mm deep  force %.2f N", step.t,
-                  name_of(needle->phase()),
-                  1e3 * (needle->motion().tip() - needle->motion().skin()),
+                  name_of(needle->phase()), 1e3 * (needle->tip() - needle->skin()),
                   step.needle.forces.total());
   } else {
     std::snprintf(text, sizeof text, "t %.4g s", step.t);

@@ -204,8 +204,8 @@ class Planner {
       Simulation simulation(comm_, scene, false);
       while (!simulation.done()) simulation.step();
       std::vector<EmbeddedPoint> places;
-      for (const Seed& seed : simulation.seeds()) places.push_back(seed.place);
-      const auto world = simulation.world(places);
+      for (const Seed& seed : simulation.seeds()) places.push_back(simulation.place_of(seed));
+      const auto world = simulation.body().world(places);
       for (std::size_t i = 0; i < places.size(); ++i) {
         const Seed& seed = simulation.seeds()[i];
         if (seed.needle != scene.needles[needle].name || seed.target.empty()) continue;

@@ -61,7 +61,7 @@ class Insertion {
   StepRecord step() {
     const StepRecord record = simulation_.step();
     if (const Needle* needle = simulation_.needle(); needle != nullptr) {
-      const double depth = needle->motion().tip() - needle->motion().skin();
+      const double depth = needle->tip() - needle->skin();
       travelled_ += std::max(0.0, depth - depth_);
       depth_ = depth;
     }

@@ -81,7 +81,7 @@ struct Problem {
     return sum;
   }
 
-  Body body;
+  Slab body;
   std::vector<double> force;
   std::vector<double> u;
   std::vector<double> reaction;  ///< K u

@@ -83,7 +83,7 @@ TEST_P(Elements, AveragingNeverStiffens) {
 
 // Pressures q with sum_n q_n int phi_n div v = 0 for every v that the supports allow.
 int n_pressure_modes(MeshData data, const std::vector<std::string>& held_curves) {
-  const Body body(std::move(data), material({1, 0.3, 1}, Plane::strain));
+  const Slab body(std::move(data), material({1, 0.3, 1}, Plane::strain));
   const Mesh& mesh = body.mesh;
   const auto held_dofs = dofs_of(mesh, held_curves);
   const auto n = static_cast<std::size_t>(mesh.n_nodes());

@@ -36,7 +36,7 @@ Tip at_depth(double depth, int refine, std::vector<std::string> overrides = {}) 
   });
   const Needle& needle = *simulation.needle();
   const ReferencePoint at = needle.tip_point(simulation.mesh());
-  tip.gap = 1e3 * (needle.motion().tip() - Axis::along(at));
+  tip.gap = 1e3 * (needle.tip() - Axis::along(at));
   return tip;
 }
 
@@ -95,7 +95,7 @@ double dent(int columns) {
   run_to_end(simulation, [&](const StepRecord& step) {
     const Needle& needle = *simulation.needle();
     if (!needle.at_membrane()) return;
-    stiffness = step.needle.forces.tip / (needle.motion().tip() - needle.motion().skin());
+    stiffness = step.needle.forces.tip / (needle.tip() - needle.skin());
   });
   EXPECT_EQ(simulation.counts().needle.punctures, 1);
   return stiffness;

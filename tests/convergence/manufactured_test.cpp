@@ -86,7 +86,7 @@ struct Errors {
 };
 
 Errors solve(int n, Plane plane, Diagonals diagonals) {
-  Body body(rectangle({.columns = n, .rows = n, .jitter = 0.15, .diagonals = diagonals}),
+  Slab body(rectangle({.columns = n, .rows = n, .jitter = 0.15, .diagonals = diagonals}),
             material(elastic, plane));
   const Mesh& mesh = body.mesh;
   const Moduli m = plane_moduli(elastic, plane);

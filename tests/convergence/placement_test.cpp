@@ -19,10 +19,10 @@ double mean_error(std::vector<std::string> overrides) {
   const double end = Axis::along_sign * 0.032;
   run_to_end(simulation, [&](const StepRecord&) {
     const Needle& needle = *simulation.needle();
-    if (needle.motion().tip() < end - 0.006 - 1e-9) return;
+    if (needle.tip() < end - 0.006 - 1e-9) return;
     const ReferencePoint tip = needle.tip_point(simulation.mesh());
-    sum += std::hypot(Axis::along(tip) - needle.motion().tip(),
-                      Axis::across(tip) - needle.parameters().height);
+    sum +=
+        std::hypot(Axis::along(tip) - needle.tip(), Axis::across(tip) - needle.parameters().height);
     ++n;
   });
   return 1e3 * sum / n;

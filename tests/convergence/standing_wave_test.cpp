@@ -50,7 +50,7 @@ double mass_norm(const TissueOperator& tissue, Vec x) {
 
 // On n x n squares, from rest in the shape of the mode, over `end` seconds.
 Wave wave(int n, int steps, double end, TimeMethod method, MassKind mass) {
-  Body body(rectangle({.columns = n, .rows = n}), material(elastic, Plane::strain, mass));
+  Slab body(rectangle({.columns = n, .rows = n}), material(elastic, Plane::strain, mass));
   TimeParameters time;
   time.method = method;
   time.scheme = ImplicitScheme::average_acceleration;

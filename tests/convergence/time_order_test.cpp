@@ -36,13 +36,13 @@ double error(const TimeCase& c, int steps) {
   const auto kind = is_explicit ? MassKind::lumped : MassKind::consistent;
   const Grid grid{.width = 1, .height = 0.8, .columns = 4, .rows = 3, .jitter = 0.1};
   auto parameters = material({1, 0.3, 1}, Plane::strain, kind);
-  const Body undamped(rectangle(grid), parameters);
+  const Slab undamped(rectangle(grid), parameters);
   const auto supports = dofs_of(undamped.mesh, {"left"});
   const auto modes = dense_modes(undamped.tissue, supports);
   const double first = std::sqrt(modes.squares[0]);
   const RayleighDamping damping{c.damping.mass_factor * first, c.damping.stiffness_factor / first};
   parameters.damping = damping;
-  Body body(rectangle(grid), parameters);
+  Slab body(rectangle(grid), parameters);
   std::unique_ptr<TimeIntegrator> integrator;
   if (is_explicit) {
     integrator = std::make_unique<ExplicitNewmark>(body.tissue, body.mesh, c.time);

@@ -80,7 +80,7 @@ Answer solve(const Scene& scene) {
   }
   for (const auto& probe : simulation.probes()) {
     const std::vector<EmbeddedPoint> one{probe};
-    answer.places.push_back(simulation.world(one)[0].x - probe.x.x);
+    answer.places.push_back(simulation.body().world(one)[0].x - probe.x.x);
   }
   const bool still = scene.time.method == TimeMethod::quasi_static && !scene.needles.empty();
   if (still) {

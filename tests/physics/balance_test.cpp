@@ -112,7 +112,7 @@ TEST(Mirror, NeedleOnTheAxisOfSymmetryKeepsTheTissueSymmetric) {
   double along = 0;
   double difference = 0;
   run_to_end(simulation, [&](const StepRecord&) {
-    const auto at = simulation.world(simulation.probes());
+    const auto at = simulation.body().world(simulation.probes());
     along = std::max(along, std::abs(at[0].x - 0.03));
     difference =
         std::max({difference, std::abs(at[0].x - at[1].x), std::abs(at[0].y + at[1].y - 0.06),

@@ -27,7 +27,7 @@ INSTANTIATE_TEST_SUITE_P(Cases,
                                          Case{Formulation::p1_averaged, 1e-4}));
 
 // Two regions of unlike moduli; ten blocks of nodes.
-Body two_regions(Formulation formulation) {
+Slab two_regions(Formulation formulation) {
   RectangleMesh p;
   p.width = 0.08;
   p.height = 0.06;
@@ -43,7 +43,7 @@ Body two_regions(Formulation formulation) {
 
 /// A step of random fields from start to end.
 struct Fields {
-  explicit Fields(const Body& body, double stiffness_factor)
+  explicit Fields(const Slab& body, double stiffness_factor)
       : tissue(body.tissue), factors{1e-4, 150, stiffness_factor} {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> any(-1, 1);
@@ -75,7 +75,7 @@ struct Fields {
   std::vector<GivenPlace> given;
 };
 
-void expect_same_step(const Body& body, const CellKernel& cells, double stiffness_factor) {
+void expect_same_step(const Slab& body, const CellKernel& cells, double stiffness_factor) {
   Fields by_rows(body, stiffness_factor);
   StepSums expected;
   predict(by_rows.arrays(), by_rows.factors, by_rows.given, expected);
@@ -114,14 +114,14 @@ void expect_same_step(const Body& body, const CellKernel& cells, double stiffnes
 }
 
 TEST_P(ExplicitStep, TrianglesGiveWhatRowsGive) {
-  const Body body = two_regions(GetParam().formulation);
+  const Slab body = two_regions(GetParam().formulation);
   const CellKernel cells(body.mesh, body.tissue);
   ASSERT_GE(cells.n_blocks(), 8U);
   expect_same_step(body, cells, GetParam().stiffness_factor);
 }
 
 TEST_P(ExplicitStep, FollowsMovedNodesAndFlippedEdges) {
-  Body body = two_regions(GetParam().formulation);
+  Slab body = two_regions(GetParam().formulation);
   CellKernel cells(body.mesh, body.tissue);
   std::mt19937 random(7);
   for (int round = 0; round < 4; ++round) {

@@ -147,7 +147,7 @@ time: {method: explicit, step: 1 ms}
   EXPECT_EQ(moved, 1);
   EXPECT_GT(simulation.counts().needle.hand_overs, 2);
   // Ends the run at 0.05; most here comes from steps that shrink with the elements.
-  EXPECT_LT(simulation.energy_excess(), 0.02);
+  EXPECT_LT(simulation.body().ledger().worst_excess(), 0.02);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ PlaneStress exact_stress(Plane plane) {
           factor * nu * (h_xx + h_yy)};
 }
 
-void expect_patch_test(const Body& body, Plane plane) {
+void expect_patch_test(const Slab& body, Plane plane) {
   const OwnedVec u = nodal(body.tissue, body.mesh, linear_field);
   const auto force = product(body.tissue, body.tissue.stiffness(), u.get());
   const double size = largest(force);
@@ -66,7 +66,7 @@ struct Kind {
   Formulation formulation;
 };
 
-Body jittered(Kind kind, std::function<bool(int)> needs_flips = {}) {
+Slab jittered(Kind kind, std::function<bool(int)> needs_flips = {}) {
   return {rectangle({.width = 0.08, .height = 0.06, .columns = 9, .rows = 7, .jitter = 0.25}),
           material(elastic, kind.plane, MassKind::consistent, 0.01, kind.formulation),
           std::move(needs_flips)};
@@ -85,7 +85,7 @@ TEST_P(Patch, LinearFieldIsExactOnAJitteredMesh) {
 }
 
 TEST_P(Patch, StressOfALinearFieldIsConstant) {
-  const Body body = jittered(GetParam());
+  const Slab body = jittered(GetParam());
   const PlaneStress exact = exact_stress(GetParam().plane);
   const auto all = gather_all(nodal(body.tissue, body.mesh, linear_field).get());
   const double tolerance = round_off * std::abs(exact.xx);
@@ -108,7 +108,7 @@ TEST_P(Patch, StressOfALinearFieldIsConstant) {
 }
 
 TEST_P(Patch, EnergyOfCellsIsThatOfTheStiffness) {
-  const Body body = jittered(GetParam());
+  const Slab body = jittered(GetParam());
   const OwnedVec u = nodal(body.tissue, body.mesh, [](ReferencePoint x) {
     return Vector2{x.x * x.y - 0.05 * x.x, x.y * x.y + 0.3 * x.x * x.x};
   });
@@ -134,7 +134,7 @@ TEST_P(Patch, EnergyOfCellsIsThatOfTheStiffness) {
 }
 
 TEST_P(Patch, RigidMotionsAreForceFree) {
-  const Body body = jittered(GetParam());
+  const Slab body = jittered(GetParam());
   const auto strained = product(body.tissue, body.tissue.stiffness(),
                                 nodal(body.tissue, body.mesh, linear_field).get());
   const auto shift = [](ReferencePoint) { return Vector2{0.01, -0.02}; };
@@ -158,7 +158,7 @@ double difference(Mat a, Mat b) {
 
 // room: whether the pattern has room for flips or is made anew.
 void expect_patch_test_after_edits(Kind kind, bool room) {
-  Body body = jittered(kind, room ? [](int) { return true; } : std::function<bool(int)>{});
+  Slab body = jittered(kind, room ? [](int) { return true; } : std::function<bool(int)>{});
   const std::size_t n_cells = static_cast<std::size_t>(body.mesh.n_cells());
   std::mt19937 random(7);
   for (int round = 0; round < 3; ++round) {

@@ -50,7 +50,7 @@ TEST(Refusal, UnstableExplicitStepsAreEndedByTheirEnergyLongBeforeTheyOverflow) 
   {
     Simulation stable(MPI_COMM_WORLD, scene_of(pulled), false);
     run_to_end(stable);
-    EXPECT_LT(stable.energy_excess(), 1e-2);
+    EXPECT_LT(stable.body().ledger().worst_excess(), 1e-2);
   }
   // Above 1, which no scene file may ask for. The element bound is up to 1.7 times too strict.
   for (const double safety : {1.8, 4.0}) {

@@ -100,7 +100,7 @@ TEST(MeasuredLimit, IsNeverBelowThePredictionWhileANeedleGoesIn) {
 
 // Weights M x of the highest mode x are orthogonal to all others: the second highest is left.
 TEST(LargestFrequency, RespectsTheMeanCondition) {
-  Body body(rectangle({.columns = 4, .rows = 3, .jitter = 0.2}),
+  Slab body(rectangle({.columns = 4, .rows = 3, .jitter = 0.2}),
             material({1, 0.3, 1}, Plane::stress, MassKind::lumped));
   const auto supports = dofs_of(body.mesh, {"left"});
   const auto modes = dense_modes(body.tissue, supports);

@@ -8,7 +8,7 @@
 namespace stylet {
 namespace {
 
-Body small_body(std::optional<RayleighDamping> damping) {
+Slab small_body(std::optional<RayleighDamping> damping) {
   auto p = material({60e3, 0.45, 1000}, Plane::stress, MassKind::lumped, 0.01);
   p.damping = damping;
   return {rectangle({.width = 0.04, .height = 0.03, .columns = 4, .rows = 3, .jitter = 0.2}), p};
@@ -26,7 +26,7 @@ double amplitude_after(std::optional<RayleighDamping> damping,
                        Limit&& limit,
                        double factor,
                        int steps) {
-  Body body = small_body(damping);
+  Slab body = small_body(damping);
   const auto supports = dofs_of(body.mesh, {"left"});
   const auto modes = dense_modes(body.tissue, supports);
   ExplicitNewmark integrator(body.tissue, body.mesh, central_difference());
@@ -88,7 +88,7 @@ TEST(StableStep, ShrinksWithStiffnessDampingAsInClosedForm) {
 double strictness(Plane plane, Formulation formulation, double jitter) {
   auto p = material({60e3, 0.45, 1000}, plane, MassKind::lumped, 0.01);
   p.formulation = formulation;
-  Body body(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6, .jitter = jitter}),
+  Slab body(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6, .jitter = jitter}),
             p);
   TimeParameters time = central_difference();
   time.safety = 1;
@@ -112,7 +112,7 @@ TEST(StableStep, BoundIsAboveTheTrueEigenvalue) {
 // Moved nodes: still safe, not far off, and as before once they are back.
 TEST(StableStep, FollowsEdits) {
   auto p = material({60e3, 0.45, 1000}, Plane::stress, MassKind::lumped, 0.01);
-  Body body(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6, .jitter = 0.1}), p);
+  Slab body(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6, .jitter = 0.1}), p);
   TimeParameters time = central_difference();
   time.safety = 1;
   ExplicitNewmark integrator(body.tissue, body.mesh, time);

@@ -1,14 +1,12 @@
 // A block on a spring, dragged by the needle: one node of the shaft is free along the axis and all
 // else is held, so that the needle glides through rigid tissue and its friction drives one mass.
 // Coulomb friction gives saw-teeth of known height and length.
-#include "stylet/dynamics/explicit_newmark.hpp"
-#include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/needle/needle.hpp"
+#include "stylet/simulation/body.hpp"
 
 #include "support/body.hpp"
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <string>
 
 namespace stylet {
@@ -36,45 +34,54 @@ NeedleParameters needle_parameters(CuttingLaw law) {
   return p;
 }
 
+// Nothing is held by supports: the block's neighbours are, by constraints.
+Scene rigid_tissue(const TimeParameters& time) {
+  Scene scene;
+  RectangleMesh mesh;
+  mesh.width = 0.08;
+  mesh.height = 0.06;
+  mesh.columns = 8;
+  mesh.rows = 6;
+  mesh.diagonals = Diagonals::alternating;
+  scene.mesh.source = mesh;
+  const bool is_explicit = time.method == TimeMethod::explicit_newmark;
+  scene.tissue = material({60e3, 0.3, 1000}, Plane::stress,
+                          is_explicit ? MassKind::lumped : MassKind::consistent, 0.01);
+  scene.time = time;
+  return scene;
+}
+
 class Block {
  public:
   explicit Block(const TimeParameters& time)
-      : is_explicit_(time.method == TimeMethod::explicit_newmark),
-        body_(rectangle({.width = 0.08, .height = 0.06, .columns = 8, .rows = 6}),
-              material({60e3, 0.3, 1000},
-                       Plane::stress,
-                       is_explicit_ ? MassKind::lumped : MassKind::consistent,
-                       0.01),
-              [](int) { return true; }),
-        needle_(needle_parameters(is_explicit_ ? CuttingLaw::lagged : CuttingLaw::consistent),
+      : scene_(rigid_tissue(time)),
+        body_(MPI_COMM_WORLD, scene_),
+        motion_(needle_parameters(CuttingLaw::consistent).motion),
+        needle_(needle_parameters(body_.decides_by_velocity() ? CuttingLaw::lagged
+                                                              : CuttingLaw::consistent),
                 {},
-                is_explicit_) {
-    const Entry entry = find_entry(body_.mesh, needle_.axis(), "needle");
+                body_.decides_by_velocity()) {
+    const Entry entry = find_entry(body_.mesh(), needle_.axis(), "needle");
     std::vector<int> ends{entry.node, entry.neighbour};
     std::ranges::sort(ends);
-    apply(needle_.enter(body_.mesh, entry, rest(ends)));
-    while (needle_.motion().tip() - needle_.motion().skin() < 0.045) glide(5e-3);
+    body_.apply(needle_.enter(body_.mesh(), entry, body_.view(ends)));
+    motion_.enter(needle_.skin(), Axis::along_sign);
+    while (needle_.tip() - needle_.skin() < 0.045) glide(5e-3);
     dof_ = Axis::along_dof(needle_.track().nodes()[block].node);
     const std::vector<int> free{dof_};
-    held_ = held(others(body_.tissue, free));
-    state_ = still(body_.tissue);
-    load_ = body_.tissue.make_vector();
-    check(VecSet(load_.get(), 0));
-    if (is_explicit_) {
-      integrator_ = std::make_unique<ExplicitNewmark>(body_.tissue, body_.mesh, time);
-    } else {
-      integrator_ = std::make_unique<ImplicitNewmark>(body_.tissue, time);
-    }
+    held_ = held(others(body_.tissue(), free));
+    static_cast<void>(body_.state());  // its energy is not the whole tissue's
+    const bool is_explicit = body_.decides_by_velocity();
     PetscScalar value = 0;
-    check(MatGetValue(body_.tissue.stiffness(), dof_, dof_, &value));
+    check(MatGetValue(body_.tissue().stiffness(), dof_, dof_, &value));
     k_ = value;
-    if (is_explicit_) {
-      m_ = gather_all(body_.tissue.lumped_mass())[static_cast<std::size_t>(dof_)];
+    if (is_explicit) {
+      m_ = gather_all(body_.tissue().lumped_mass())[static_cast<std::size_t>(dof_)];
     } else {
-      check(MatGetValue(body_.tissue.mass(), dof_, dof_, &value));
+      check(MatGetValue(body_.tissue().mass(), dof_, dof_, &value));
       m_ = value;
     }
-    const auto shares = needle_.track().lengths(body_.mesh, 0, 1);
+    const auto shares = needle_.track().lengths(body_.mesh(), 0, 1);
     length_ = shares[block];
   }
 
@@ -89,69 +96,58 @@ class Block {
 
   /// A step of the block.
   void step(double h) {
-    const NeedleStep motion = needle_.motion().next(h);
-    needle_.start_step(body_.mesh, motion);
-    integrator_->begin(state_, load_.get(), motion.h, {});
+    const NeedleStep step = motion_.next(h);
+    needle_.start_step(body_.mesh(), step);
+    body_.begin(step.h);
+    std::vector<int> loaded;
     for (;;) {
-      while (needle_.wants_edit())
-        apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
-      const Trial trial = integrator_->attempt(constraints(), false);
-      const TrialView view = view_of(trial);
-      if (!needle_.review(body_.mesh, view, 0)) continue;
-      needle_.commit(body_.mesh, rest(needle_.loaded_nodes(body_.mesh)), view, 0);
-      break;
+      const bool edited = cut();
+      loaded = needle_.loaded_nodes(body_.mesh());
+      body_.watch(loaded);
+      const Trial trial = body_.attempt(constraints(), edited);
+      if (needle_.review(body_.mesh(), of_block(body_.view(loaded, trial)), 0)) break;
     }
-    integrator_->finish(true);
-    integrator_->accept();
-    const Vec vectors[1] = {state_.u.get()};
-    const int dofs[1] = {dof_};
-    u_ = Axis::along_sign * gather(vectors, dofs)[0][0];
+    const Trial trial = body_.finish(true);
+    needle_.commit(body_.mesh(), body_.view(loaded), of_block(body_.view(loaded, trial)), 0);
+    body_.accept(trial, 0, 0);
+    motion_.taken(step);
+    const int nodes[1] = {dof_ / 2};
+    u_ = Axis::along(body_.view(nodes).at(dof_ / 2).u);
   }
 
  private:
   // A step through rigid tissue: the tip cuts until it is where the needle's is, the shaft stays
   // stuck without force.
   void glide(double h) {
-    const NeedleStep motion = needle_.motion().next(h);
-    needle_.start_step(body_.mesh, motion);
+    const NeedleStep step = motion_.next(h);
+    needle_.start_step(body_.mesh(), step);
     const auto zero = [&] {
-      const auto nodes = needle_.loaded_nodes(body_.mesh);
+      const auto nodes = needle_.loaded_nodes(body_.mesh());
       return TrialView(nodes, std::vector<NodeTrial>(nodes.size()));
     };
     const auto force = [&] {
       constexpr double more_than_it_takes = 1;  // N
-      const bool ahead = Axis::along(body_.mesh.point(needle_.track().tip())) > motion.to;
+      const bool ahead = Axis::along(body_.mesh().point(needle_.track().tip())) > step.to;
       return ahead ? 0 : more_than_it_takes;
     };
     do {
-      while (needle_.wants_edit())
-        apply(needle_.plan(body_.mesh, rest(needle_.watched(body_.mesh))));
-    } while (!needle_.review(body_.mesh, zero(), force()));
-    needle_.commit(body_.mesh, rest(needle_.loaded_nodes(body_.mesh)), zero(), force());
+      cut();
+    } while (!needle_.review(body_.mesh(), zero(), force()));
+    needle_.commit(body_.mesh(), body_.view(needle_.loaded_nodes(body_.mesh())), zero(), force());
+    motion_.taken(step);
   }
 
-  void apply(const NeedleEdits& edits) {
-    std::vector<int> touched;
-    for (const auto& move : edits.moves) {
-      body_.mesh.move_node(move.node, move.x);
-      const auto around = body_.mesh.cells_around(move.node);
-      touched.insert(touched.end(), around.begin(), around.end());
+  bool cut() {
+    const bool wanted = needle_.wants_edit();
+    while (needle_.wants_edit()) {
+      body_.apply(needle_.plan(body_.mesh(), body_.view(needle_.watched(body_.mesh()))));
     }
-    for (const auto& edge : edits.flips) {
-      const auto both = body_.mesh.cells_with(edge.a, edge.b);
-      body_.mesh.flip_edge(edge.a, edge.b);
-      touched.insert(touched.end(), both.begin(), both.end());
-    }
-    body_.tissue.update(body_.mesh, touched);
-  }
-
-  [[nodiscard]] NeedleView rest(const std::vector<int>& nodes) const {
-    return {nodes, std::vector<NodeState>(nodes.size())};
+    return wanted;
   }
 
   [[nodiscard]] ConstraintSet constraints() const {
     ConstraintSet set = held_;
-    const ConstraintSet wanted = needle_.constraints(body_.mesh);
+    const ConstraintSet wanted = needle_.constraints(body_.mesh());
     for (const auto& c : wanted.dofs) {
       if (c.dof == dof_) set.dofs.push_back(c);
     }
@@ -161,21 +157,21 @@ class Block {
     return set;
   }
 
-  [[nodiscard]] TrialView view_of(const Trial& trial) const {
-    const auto nodes = needle_.loaded_nodes(body_.mesh);
-    std::vector<NodeTrial> values(nodes.size());
-    const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
-                            trial.settled.reaction};
-    const int dofs[1] = {dof_};
-    const auto g = gather(vectors, dofs);
-    const auto at = std::ranges::find(nodes, dof_ / 2) - nodes.begin();
-    const auto along = [&](std::size_t k) { return Vector2{g[k][0], 0}; };
-    values[static_cast<std::size_t>(at)] = {along(0), along(1), along(2), along(3), along(4)};
-    return {nodes, values};
+  // All else is rigid: it neither moves nor slips.
+  [[nodiscard]] TrialView of_block(const TrialView& whole) const {
+    std::vector<NodeTrial> values(whole.nodes().size());
+    const auto at = std::ranges::find(whole.nodes(), dof_ / 2) - whole.nodes().begin();
+    NodeTrial& node = values[static_cast<std::size_t>(at)];
+    node = whole.at(dof_ / 2);
+    for (Vector2* value : {&node.u, &node.v, &node.reaction, &node.working, &node.settled}) {
+      value->y = 0;
+    }
+    return {whole.nodes(), std::move(values)};
   }
 
-  bool is_explicit_;
+  Scene scene_;
   Body body_;
+  Motion motion_;
   Needle needle_;
   int dof_ = -1;
   double k_ = 0;
@@ -183,9 +179,6 @@ class Block {
   double length_ = 0;
   double u_ = 0;
   ConstraintSet held_;
-  State state_;
-  OwnedVec load_;
-  std::unique_ptr<TimeIntegrator> integrator_;
 };
 
 struct Cycle {

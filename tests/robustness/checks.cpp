@@ -50,9 +50,10 @@ void Watch::look_at_mesh(const Simulation& simulation) {
   const double area = total_area(mesh);
   if (std::abs(area / area_ - 1) > 1e-10) breach("area of the tissue " + number(area));
   for (const auto& seed : simulation.seeds()) {
-    const auto found = locate(mesh, seed.place.x, seed.place.cell);
+    const EmbeddedPoint& place = simulation.place_of(seed);
+    const auto found = locate(mesh, place.x, place.cell);
     // Barycentric coordinates of a point on an edge are zero up to round-off (embedded_point.cpp).
-    const double lowest = *std::ranges::min_element(seed.place.weights);
+    const double lowest = *std::ranges::min_element(place.weights);
     if (!found || lowest < -1e-8) breach("a seed lies outside its element");
   }
 }

@@ -70,7 +70,7 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
       const StepRecord step = simulation.step();
       const auto breaches = watch.look(simulation, step);
       outcome.counts = simulation.counts();
-      outcome.excess = simulation.energy_excess();
+      outcome.excess = simulation.body().ledger().worst_excess();
       outcome.balance =
           simulation.energies().balance_error() / std::max(1e-300, simulation.energies().external);
       if (verbose && simulation.needle() != nullptr) {
@@ -78,7 +78,7 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
         std::printf(
             "  t %.4f tip %.3f mm %s contact %d hand-overs %d passes %lld tip %.3f N friction "
             "%.3f N worst %.4f\n",
-            step.t, 1e3 * (n.motion().tip() - n.motion().skin()), stylet::name_of(n.phase()),
+            step.t, 1e3 * (n.tip() - n.skin()), stylet::name_of(n.phase()),
             static_cast<int>(n.tip_contact()), outcome.counts.needle.hand_overs, step.passes,
             step.needle.forces.tip, step.needle.forces.friction, outcome.counts.worst_quality);
       }

@@ -53,8 +53,8 @@ inline TissueParameters material(const LinearElastic& elastic,
 }
 
 /// Nodes have the numbers of the data.
-struct Body {
-  Body(MeshData data, const TissueParameters& parameters, std::function<bool(int)> needs_flips = {})
+struct Slab {
+  Slab(MeshData data, const TissueParameters& parameters, std::function<bool(int)> needs_flips = {})
       : mesh(checked(std::move(data))),
         tissue(MPI_COMM_WORLD, mesh, {0, mesh.n_nodes()}, parameters, std::move(needs_flips)) {}
 

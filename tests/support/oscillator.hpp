@@ -68,7 +68,7 @@ class Oscillator {
     return p;
   }
 
-  Body body_;
+  Slab body_;
   int dof_ = -1;
   double omega_ = 0;
   ConstraintSet held_;

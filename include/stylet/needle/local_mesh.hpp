@@ -31,6 +31,9 @@ class LocalMesh {
   Mesh mesh_;
 };
 
+/// Does the edits; returns the cells that changed, some more than once.
+std::vector<int> rewrite(Mesh& mesh, const NeedleEdits& edits);
+
 /// Flips, one after the other, that raise the worst quality of the touched cells until none is below
 /// `wanted` or nothing is to be gained; done in the mesh, and added to the touched cells.
 std::vector<EdgeFlip> repair(Mesh& mesh,

@@ -1,4 +1,4 @@
-// The needle's list of actions as steps of time.
+// A needle's list of actions as steps of time.
 #pragma once
 
 #include "stylet/needle/parameters.hpp"
@@ -17,6 +17,10 @@ struct NeedleStep {
   [[nodiscard]] double speed() const { return h > 0 ? (to - from) / h : 0; }
 };
 
+/// What an action without an end of its own waits for.
+enum class Awaited { nothing, withdrawal, rest };
+
+/// The present action is never over: the next one begins at once.
 class Motion {
  public:
   explicit Motion(std::vector<Action> actions) : actions_(std::move(actions)) {}
@@ -28,19 +32,22 @@ class Motion {
   [[nodiscard]] std::size_t index() const { return at_; }
   [[nodiscard]] double tip() const { return tip_; }
   [[nodiscard]] double skin() const { return skin_; }
-  /// True if the present action moves the tip to where it is: it takes no time and no step.
-  [[nodiscard]] bool is_no_motion() const;
+  [[nodiscard]] Awaited awaits() const;
+  /// True if another implant comes, the present action apart.
+  [[nodiscard]] bool will_implant() const;
 
   /// The next step, at most `longest`. Steps of one action have equal lengths, so that the step's
   /// operator can be used again. Not for implant.
   [[nodiscard]] NeedleStep next(double longest);
-  /// The step was taken; actions with an end of their own end here.
-  void commit(const NeedleStep& step);
-  /// Ends the present action (an implant; a settled tissue; a withdrawn needle).
-  void finish_action();
+  /// The step was taken. awaited: what the action waits for has happened.
+  void taken(const NeedleStep& step, bool awaited = false);
+  /// The seed of the present action was left.
+  void implanted();
 
  private:
   [[nodiscard]] std::optional<double> target() const;
+  [[nodiscard]] bool is_over(bool awaited) const;
+  void go_on(bool awaited);
 
   std::vector<Action> actions_;
   std::size_t at_ = 0;

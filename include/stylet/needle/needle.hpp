@@ -61,6 +61,9 @@ struct NeedleCounts {
   int fallbacks = 0;  ///< advances along d because F was no help
   int punctures = 0;
 };
+[[nodiscard]] inline NeedleCounts operator+(const NeedleCounts& a, const NeedleCounts& b) {
+  return {a.hand_overs + b.hand_overs, a.fallbacks + b.fallbacks, a.punctures + b.punctures};
+}
 
 /// Properties that the needle meets in the tissue.
 struct NeedleTissue {
@@ -113,6 +116,12 @@ class Needle {
   /// Nodes whose trial the review needs; ascending.
   [[nodiscard]] std::vector<int> loaded_nodes(const Mesh& mesh) const;
 
+  /// A needle that is out of the tissue takes no part in a step, unless it goes in again.
+  [[nodiscard]] bool takes_part(const NeedleStep& step) const {
+    return !released() || step.speed() > 0;
+  }
+  /// Takes no part.
+  void move_free(const NeedleStep& step) { tip_along_ = step.to; }
   void start_step(const Mesh& mesh, const NeedleStep& step);
   /// The same step from the same start, which ends sooner: its edits and contacts stay.
   void shorten_step(const NeedleStep& step) { step_ = step; }
@@ -132,8 +141,9 @@ class Needle {
 
   [[nodiscard]] const NeedleParameters& parameters() const { return parameters_; }
   [[nodiscard]] const Axis& axis() const { return axis_; }
-  [[nodiscard]] Motion& motion() { return motion_; }
-  [[nodiscard]] const Motion& motion() const { return motion_; }
+  /// Places along the axis (m): of the needle's own tip, and of the skin when it entered.
+  [[nodiscard]] double tip() const { return tip_along_; }
+  [[nodiscard]] double skin() const { return skin_along_; }
   [[nodiscard]] const Track& track() const { return track_; }
   [[nodiscard]] NeedlePhase phase() const { return phase_; }
   [[nodiscard]] TipContact tip_contact() const { return tip_; }
@@ -193,7 +203,8 @@ class Needle {
   NeedleTissue tissue_;
   bool velocity_level_;
   Axis axis_;
-  Motion motion_;
+  double tip_along_ = 0;
+  double skin_along_ = 0;
   NeedleStep step_;
   NeedlePhase phase_ = NeedlePhase::outside;
   TipContact tip_ = TipContact::stick;

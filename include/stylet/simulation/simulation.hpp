@@ -1,16 +1,13 @@
-// A scene as it runs: builds what is declared, then steps.
+// A scene as it runs: hand, needles, tissue and seeds.
 #pragma once
 
-#include "stylet/dynamics/time_integrator.hpp"
 #include "stylet/geometry/rotation.hpp"
-#include "stylet/mesh/embedded_point.hpp"
-#include "stylet/needle/motion.hpp"
 #include "stylet/needle/needle.hpp"
 #include "stylet/scene/scene.hpp"
-#include "stylet/simulation/conditions.hpp"
-#include "stylet/simulation/energy.hpp"
-#include "stylet/simulation/model.hpp"
-#include "stylet/simulation/settling.hpp"
+#include "stylet/simulation/body.hpp"
+#include "stylet/simulation/hand.hpp"
+#include "stylet/simulation/seed.hpp"
+#include "stylet/simulation/step.hpp"
 #include "stylet/simulation/strain.hpp"
 
 #include <memory>
@@ -20,16 +17,6 @@
 
 namespace stylet {
 
-struct Seed {
-  std::string needle;
-  std::string target;    ///< empty if the scene has none
-  double time = 0;       ///< of implantation (s)
-  Vector2 displacement;  ///< of the tissue there when it was implanted (m)
-  EmbeddedPoint place;
-  TipStand tip;
-};
-
-/// A step of `time.step`, or what an action left of it.
 struct StepRecord {
   double t = 0;  ///< at its end (s)
   double h = 0;
@@ -56,8 +43,9 @@ struct RunCounts {
 class Simulation {
  public:
   /// Collective. Throws InputError where scene and mesh do not fit. track_energy: weighed after every
-  /// step, for the history.
-  Simulation(MPI_Comm comm, Scene scene, bool track_energy);
+  /// step, for the history. hand: none for the schedule of the scene; its needles enter at places of
+  /// the turned scene (`rotation`).
+  Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand = nullptr);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
   ~Simulation() = default;
@@ -69,39 +57,30 @@ class Simulation {
   /// In the needle's coordinates, like everything here; `rotation` leads back to the scene's.
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] Rotation rotation() const { return Rotation(scene_.needle_angle); }
-  [[nodiscard]] const NumberedMesh& numbered() const { return numbered_; }
-  [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
-  [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
-  [[nodiscard]] double time() const { return state_.t; }
+  [[nodiscard]] const Body& body() const { return body_; }
+  [[nodiscard]] const NumberedMesh& numbered() const { return body_.numbered(); }
+  [[nodiscard]] const Mesh& mesh() const { return body_.mesh(); }
+  [[nodiscard]] const TissueOperator& tissue() const { return body_.tissue(); }
+  [[nodiscard]] double time() const { return body_.time(); }
   /// Collective.
-  [[nodiscard]] const State& state() const {
-    integrator_->complete();
-    return state_;
-  }
+  [[nodiscard]] const State& state() const { return body_.state(); }
   /// Collective. To disturb it: the energy is not checked from then on.
-  [[nodiscard]] State& state() {
-    integrator_->complete();
-    ledger_.stop_checks();
-    return state_;
-  }
+  [[nodiscard]] State& state() { return body_.state(); }
   /// The present needle, or none before the first, or in a scene without.
   [[nodiscard]] const Needle* needle() const { return needle_ ? &*needle_ : nullptr; }
   /// What holds the tissue now, with the contacts of the end of the last step.
   [[nodiscard]] ConstraintSet constraints() const;
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
-  [[nodiscard]] const Conditions& conditions() const { return conditions_; }
+  /// Where a seed lies now, in the mesh as it is now.
+  [[nodiscard]] const EmbeddedPoint& place_of(const Seed& seed) const {
+    return body_.points(seed.place).front();
+  }
   [[nodiscard]] const LargestStrain& largest_strain() const { return largest_strain_; }
   [[nodiscard]] const RunCounts& counts() const { return counts_; }
   /// Up to date after every step if they are tracked, else as of the last check.
-  [[nodiscard]] const Energies& energies() const { return ledger_.energies(); }
-  /// The most that the energy ever exceeded the work done, as a share of the largest energy.
-  [[nodiscard]] double energy_excess() const { return ledger_.worst_excess(); }
-  [[nodiscard]] const std::vector<EmbeddedPoint>& membrane() const { return membrane_; }
-  [[nodiscard]] const std::vector<EmbeddedPoint>& probes() const { return probes_; }
-  /// Collective. World positions of embedded points.
-  [[nodiscard]] std::vector<WorldPoint> world(std::span<const EmbeddedPoint> points) const;
-  /// Collective. Total force on the tissue (N) that a prescribed curve needed in the last step.
-  [[nodiscard]] Vector2 curve_reaction(std::size_t curve) const;
+  [[nodiscard]] const Energies& energies() const { return body_.ledger().energies(); }
+  [[nodiscard]] std::span<const EmbeddedPoint> membrane() const { return body_.points(membrane_); }
+  [[nodiscard]] std::span<const EmbeddedPoint> probes() const { return body_.points(probes_); }
   /// Share of the scene's time that is done, 0 to 1, as far as it is known.
   [[nodiscard]] double fraction() const;
   /// Distance between a seed and its target. At the last implant of a run until then it is the
@@ -110,55 +89,27 @@ class Simulation {
 
  private:
   StepRecord step_unguarded();
-  void start();
   void act_without_time();
-  void enter_next_needle();
-  void require_cut_in() const;
-  void implant();
-  Motion& motion() { return needle_ ? needle_->motion() : *clock_; }
-  void watch_strain();
-  double sub_step(double longest, StepRecord& record);
-  bool edit_for_needle();
-  void apply(const NeedleEdits& edits, bool repair);
-  [[nodiscard]] NeedleView start_view(std::span<const int> nodes) const;
-  [[nodiscard]] TrialView trial_view(std::span<const int> nodes,
-                                     const Trial& trial,
-                                     double h) const;
-  [[nodiscard]] ConstraintSet needle_constraints(const Needle* active) const;
-  void update_load(double t);
-  [[nodiscard]] double prescribed_work(const Trial& trial) const;
-  void accept(const Trial& trial, double h, const NeedleStepReport& report);
+  void enter(const NeedleParameters& parameters);
+  void implant(const std::string& target);
+  void count(const SubStep& step);
   void count_deformed_inversions();
-  void end_open_action(double t0);
+  void watch_strain();
 
   Scene scene_;
-  NumberedMesh numbered_;
-  Conditions conditions_;
-  std::unique_ptr<TissueOperator> tissue_;
-  EnergyLedger ledger_;
+  Body body_;
+  std::unique_ptr<Hand> hand_;
   bool track_energy_;
-  std::unique_ptr<TimeIntegrator> integrator_;
-  State state_;
-  OwnedVec load_;
-  OwnedVec last_load_;
-  double load_time_ = 0;       ///< time that load_ is of (s)
-  bool load_changed_ = false;  ///< since the last accepted step
-  std::vector<PrescribedDof> base_;
-  OwnedVec reaction_;  ///< of the last step, where curves are prescribed
-  std::size_t n_entered_ = 0;
   std::optional<Needle> needle_;
-  std::optional<Motion> clock_;  ///< of a scene without a needle
-  std::vector<EmbeddedPoint> membrane_;
-  std::vector<EmbeddedPoint> probes_;
+  Riders membrane_;
+  Riders probes_;
   std::vector<Seed> seeds_;
   RunCounts counts_;
   NeedleCounts earlier_needles_;
   double largest_tip_force_ = 0;  ///< of the present needle, at the end of a step (N)
-  double estimated_time_ = 0;
-  double next_strain_ = 0;  ///< time of the next look at all strains (s)
+  double expected_time_ = 0;      ///< s
+  double next_strain_ = 0;        ///< time of the next look at all strains (s)
   LargestStrain largest_strain_;
-  Settling settling_;
-  double extent_ = 0;  ///< of the tissue along the needle (m)
   bool started_ = false;
   bool done_ = false;
 };

@@ -65,30 +65,29 @@ inline int node_at(const Mesh& mesh, ReferencePoint x) {
   return nearest;
 }
 
-inline void apply(Mesh& mesh, const NeedleEdits& edits) {
-  for (const auto& move : edits.moves) mesh.move_node(move.node, move.x);
-  for (const auto& flip : edits.flips) mesh.flip_edge(flip.a, flip.b);
-}
-
 /// A needle in rigid tissue: the tip is pushed through with any force asked for.
 struct Bench {
   Mesh mesh;
+  Motion motion;
   Needle needle;
 
   Bench(Mesh tissue_mesh, NeedleParameters parameters, NeedleTissue tissue = {})
-      : mesh(std::move(tissue_mesh)), needle(std::move(parameters), std::move(tissue), false) {
+      : mesh(std::move(tissue_mesh)),
+        motion(parameters.motion),
+        needle(std::move(parameters), std::move(tissue), false) {
     const Entry entry = find_entry(mesh, needle.axis(), "needle");
-    apply(mesh, needle.enter(mesh, entry, still(mesh)));
+    rewrite(mesh, needle.enter(mesh, entry, still(mesh)));
+    motion.enter(needle.skin(), Axis::along_sign);
   }
 
   /// One accepted step; after each round of edits `look` is called.
   void step(
       double h, double force, const std::function<void()>& look = [] {}) {
-    const NeedleStep now = needle.motion().next(h);
+    const NeedleStep now = motion.next(h);
     needle.start_step(mesh, now);
     for (;;) {
       while (needle.wants_edit()) {
-        apply(mesh, needle.plan(mesh, still(mesh)));
+        rewrite(mesh, needle.plan(mesh, still(mesh)));
         look();
       }
       std::vector<int> nodes = needle.loaded_nodes(mesh);
@@ -98,6 +97,7 @@ struct Bench {
       const double lambda = needle.tip_contact() == TipContact::stick && !waits ? force : 0;
       if (!needle.review(mesh, trial, lambda)) continue;
       needle.commit(mesh, still_shaft(), trial, lambda);
+      motion.taken(now);
       return;
     }
   }

@@ -64,7 +64,7 @@ TEST(HandOver, PlacesAndPromisedQuality) {
     ++planned;
     EXPECT_FALSE(mesh.is_locked(plan->new_tip));
     EXPECT_FALSE(tip->track.holds(plan->new_tip));
-    apply(mesh, plan->edits);
+    rewrite(mesh, plan->edits);
     EXPECT_EQ(mesh.point(plan->new_tip), p);
     EXPECT_EQ(mesh.point(node), midpoint(behind, p));
     std::vector<int> all(static_cast<std::size_t>(mesh.n_cells()));

@@ -35,7 +35,7 @@ std::vector<NeedleStep> all_steps(Motion& motion, double longest) {
   std::vector<NeedleStep> steps;
   while (!motion.finished() && steps.size() < 1000) {
     steps.push_back(motion.next(longest));
-    motion.commit(steps.back());
+    motion.taken(steps.back());
   }
   return steps;
 }
@@ -57,10 +57,8 @@ TEST(Motion, MoreStepsThanAnIntCounts) {
   Motion motion = entered({moving(ActionKind::insert, 0.02, 0.06), waiting(ActionKind::hold, 3)});
   const NeedleStep step = motion.next(1e-9);  // 3e9 of them
   EXPECT_NEAR(step.h, 1e-9, 1e-18);
-  motion.commit(step);
+  motion.taken(step);
   EXPECT_EQ(motion.index(), 0U);
-  EXPECT_NEAR(motion.next(1e-9).h, 1e-9, 1e-18);
-  motion.finish_action();
   EXPECT_NEAR(motion.next(1e-9).h, 1e-9, 1e-18);
 }
 
@@ -80,29 +78,40 @@ TEST(Motion, RetractToADepthAndOut) {
   Motion motion =
       entered({moving(ActionKind::insert, 0.02, 0.02), moving(ActionKind::retract, 0.01, 0.005),
                moving(ActionKind::retract, 0.04, std::nullopt)});
-  while (motion.index() == 0) motion.commit(motion.next(0.1));
+  while (motion.index() == 0) motion.taken(motion.next(0.1));
   EXPECT_EQ(motion.tip(), -0.06);
   const NeedleStep back = motion.next(0.1);
   EXPECT_NEAR(back.speed(), -0.01, 1e-15);
-  while (motion.index() == 1) motion.commit(motion.next(0.1));
+  while (motion.index() == 1) motion.taken(motion.next(0.1));
   EXPECT_EQ(motion.tip(), -0.075);
-  // All the way out has no end of its own: the caller ends it.
+  // All the way out has no end of its own.
+  EXPECT_EQ(motion.awaits(), Awaited::withdrawal);
   for (int i = 0; i < 50; ++i) {
     const NeedleStep out = motion.next(0.1);
     EXPECT_EQ(out.h, 0.1);
-    motion.commit(out);
+    motion.taken(out);
   }
   EXPECT_FALSE(motion.finished());
-  motion.finish_action();
+  motion.taken(motion.next(0.1), true);
   EXPECT_TRUE(motion.finished());
 }
 
-TEST(Motion, InsertToWhereTheTipIsTakesOneStepOfNothing) {
-  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.0)});
-  const auto steps = all_steps(motion, 0.1);
-  ASSERT_EQ(steps.size(), 1U);
-  EXPECT_EQ(steps[0].h, 0);
-  EXPECT_EQ(steps[0].speed(), 0);
+TEST(Motion, InsertToWhereTheTipIsIsOverAtOnce) {
+  const Action nothing = moving(ActionKind::insert, 0.02, 0.0);
+  const Motion motion = entered({nothing, nothing, moving(ActionKind::insert, 0.02, 0.01)});
+  EXPECT_EQ(motion.index(), 2U);
+  EXPECT_TRUE(entered({nothing}).finished());
+}
+
+TEST(Motion, ImplantsTakeNoTime) {
+  const Action implant = waiting(ActionKind::implant, std::nullopt);
+  Motion motion = entered({moving(ActionKind::insert, 0.02, 0.01), implant, implant});
+  while (motion.action().kind == ActionKind::insert) motion.taken(motion.next(0.1));
+  EXPECT_TRUE(motion.will_implant());
+  motion.implanted();
+  EXPECT_FALSE(motion.will_implant());
+  motion.implanted();
+  EXPECT_TRUE(motion.finished());
 }
 
 TEST(Motion, HoldAndSettle) {
@@ -113,25 +122,28 @@ TEST(Motion, HoldAndSettle) {
     const NeedleStep step = motion.next(0.1);
     EXPECT_EQ(step.to, step.from);
     held += step.h;
-    motion.commit(step);
+    motion.taken(step);
   }
   EXPECT_NEAR(held, 0.25, 1e-16);
-  motion.commit(motion.next(0.1));
+  motion.taken(motion.next(0.1));
   EXPECT_EQ(motion.index(), 2U);
-  for (int i = 0; i < 10; ++i) motion.commit(motion.next(0.1));
-  EXPECT_EQ(motion.index(), 2U);  // until the caller finds the tissue still
+  for (int i = 0; i < 10; ++i) motion.taken(motion.next(0.1));
+  EXPECT_EQ(motion.index(), 2U);  // until the tissue is still
+  EXPECT_EQ(motion.awaits(), Awaited::rest);
+  motion.taken(motion.next(0.1), true);
+  EXPECT_TRUE(motion.finished());
 }
 
 TEST(Motion, ShorterStepsOnTheWay) {
   // An explicit method may ask for less in the middle; the rest is divided again.
   Motion motion = entered({moving(ActionKind::insert, 0.02, 0.01)});
-  motion.commit(motion.next(0.1));
-  motion.commit(motion.next(0.1));
+  motion.taken(motion.next(0.1));
+  motion.taken(motion.next(0.1));
   std::vector<double> rest;
   while (!motion.finished()) {
     const NeedleStep step = motion.next(0.07);
     rest.push_back(step.h);
-    motion.commit(step);
+    motion.taken(step);
   }
   EXPECT_EQ(rest.size(), 5U);  // 0.3 s in steps of at most 0.07 s
   EXPECT_EQ(motion.tip(), -0.08 + 0.01);

@@ -33,7 +33,7 @@ TEST(Needle, StandsAtTheSkinFirst) {
   EXPECT_EQ(bench.needle.phase(), NeedlePhase::outside);
   EXPECT_EQ(bench.needle.track().size(), 1U);
   EXPECT_EQ(bench.mesh.point(bench.needle.track().tip()), (ReferencePoint{0.08, 0.033}));
-  EXPECT_EQ(bench.needle.motion().skin(), -0.08);
+  EXPECT_EQ(bench.needle.skin(), -0.08);
 }
 
 TEST(Needle, PointTipPushesUntilTheThreshold) {
@@ -58,7 +58,7 @@ TEST(Needle, CutsWithThatPartOfItsForceThatIsIn) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.04, tip_length));
   bench.step(0.05, 1e-6);
   EXPECT_GT(bench.needle.track().size(), 1U);  // any force breaks the skin
-  while (!bench.needle.motion().finished()) {
+  while (!bench.motion.finished()) {
     bench.step(0.05, above);
     if (bench.needle.tip_contact() != TipContact::cut) continue;
     const double s = bench.needle.track().distances(bench.mesh).front();
@@ -71,7 +71,7 @@ TEST(Needle, PressesOnTheSkinWithTheRestOfItsTip) {
   const double tip_length = 0.02;
   Bench bench(Mesh(tissue(16, 12)), needle_at(0.03, 0.04, tip_length));
   bench.step(0.05, above);
-  while (!bench.needle.motion().finished()) {
+  while (!bench.motion.finished()) {
     bench.step(0.05, above);
     const double s = bench.needle.track().distances(bench.mesh).front();
     double on_skin = 0;  // but for the node of the entry, which is of the path too
@@ -91,7 +91,7 @@ TEST(Needle, PressesOnTheSkinWithTheRestOfItsTip) {
 /// Bench of a needle after another that has gone along `height` as far as `depth`.
 Bench second_needle(double height, double first_depth, NeedleTissue properties = {}) {
   Bench first(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, first_depth, 0.006), properties);
-  while (!first.needle.motion().finished()) first.step(0.05, above);
+  while (!first.motion.finished()) first.step(0.05, above);
   properties.earlier = first.needle.leave(first.mesh);
   return {first.mesh, needle_at(height, 0.06, 0.006), properties};
 }
@@ -100,7 +100,7 @@ TEST(Needle, ACutStaysCut) {
   for (const double beside : {0.0, 0.0005}) {  // below half of the diameter of 1.27 mm
     Bench bench = second_needle(0.0317 + beside, 0.03);
     bool held = false;
-    while (!bench.needle.motion().finished()) {
+    while (!bench.motion.finished()) {
       bench.step(0.05, 0.9);  // below the threshold
       const double x = bench.needle.tip_point(bench.mesh).x;
       if (bench.needle.tip_contact() != TipContact::cut) continue;
@@ -127,11 +127,11 @@ TEST(Needle, APunctureStaysOpen) {
   properties.membrane = {{0.02, 0.01}, {0.06, 0.01}, {0.06, 0.05}, {0.02, 0.05}};
   properties.puncture_force = 3;
   Bench same = second_needle(0.0317, 0.03, properties);
-  while (!same.needle.motion().finished()) same.step(0.05, 2);  // cuts, but does not puncture
+  while (!same.motion.finished()) same.step(0.05, 2);  // cuts, but does not puncture
   EXPECT_LT(same.needle.tip_point(same.mesh).x, 0.03);
   EXPECT_EQ(same.needle.counts().punctures, 0);
   Bench beside = second_needle(0.04, 0.03, properties);
-  while (!beside.needle.motion().finished()) beside.step(0.05, 2);
+  while (!beside.motion.finished()) beside.step(0.05, 2);
   EXPECT_TRUE(beside.needle.at_membrane());
 }
 
@@ -153,13 +153,13 @@ TEST(Needle, CutsAsFarAsItMoves) {
   // In tissue that does not give, the tip in the reference mesh is the tip in the world.
   for (const double jitter : {0.0, 0.25}) {
     Bench bench(Mesh(tissue(16, 12, jitter)), needle_at(0.0317, 0.05));
-    while (!bench.needle.motion().finished()) {
+    while (!bench.motion.finished()) {
       bench.step(0.05, above);
       const auto tip = bench.needle.tip_point(bench.mesh);
       // A step is accepted when the gap is below 1e-4 of its 1 mm; the first cut goes half an
       // element ahead.
       if (bench.needle.tip_contact() != TipContact::cut) continue;
-      EXPECT_NEAR(Axis::along(tip), bench.needle.motion().tip(), 1.1e-7);
+      EXPECT_NEAR(Axis::along(tip), bench.needle.tip(), 1.1e-7);
       EXPECT_NEAR(tip.y, 0.0317, 1e-15);
     }
     EXPECT_GT(bench.needle.counts().hand_overs, 8);
@@ -172,7 +172,7 @@ TEST(Needle, EveryEditLeavesValidTriangles) {
     Bench bench(Mesh(tissue(16, 12, 0.25)), needle_at(height, 0.06, i % 2 == 0 ? 0.006 : 0));
     std::vector<int> all(static_cast<std::size_t>(bench.mesh.n_cells()));
     std::iota(all.begin(), all.end(), 0);
-    while (!bench.needle.motion().finished()) {
+    while (!bench.motion.finished()) {
       // The floor of a hand-over (needle.cpp).
       bench.step(0.1, above, [&] { ASSERT_GE(bench.mesh.worst_quality(all), 0.03); });
     }
@@ -181,7 +181,7 @@ TEST(Needle, EveryEditLeavesValidTriangles) {
 
 TEST(Needle, PathIsAChainOfEdges) {
   Bench bench(Mesh(tissue(16, 12, 0.25)), needle_at(0.0273, 0.06));
-  while (!bench.needle.motion().finished()) bench.step(0.2, above);  // several hand-overs a step
+  while (!bench.motion.finished()) bench.step(0.2, above);  // several hand-overs a step
   const auto nodes = bench.needle.track().nodes();
   std::set<int> distinct;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -197,7 +197,7 @@ TEST(Needle, TipWeightsSumToOne) {
   for (const double tip_length : {0.0, 0.001, 0.006, 0.02}) {
     Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.04, tip_length));
     EXPECT_NEAR(sum_of_weights(bench.needle, bench.mesh), 1, 1e-15);  // at the skin
-    while (!bench.needle.motion().finished()) {
+    while (!bench.motion.finished()) {
       bench.step(0.05, above);
       const double s = bench.needle.track().distances(bench.mesh).front();
       const bool all = tip_length == 0 || bench.needle.tip_contact() == TipContact::stick;
@@ -220,7 +220,7 @@ TEST(Needle, PointTipLoadsOneNode) {
 
 TEST(Needle, ShaftIsHeldOnItsAxis) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.03));
-  while (!bench.needle.motion().finished()) bench.step(0.05, above);
+  while (!bench.motion.finished()) bench.step(0.05, above);
   std::set<int> held;
   for (const auto& dof : bench.needle.constraints(bench.mesh).dofs) {
     EXPECT_FALSE(dof.velocity);
@@ -244,7 +244,7 @@ TEST(Needle, StopsAtTheMembraneUntilItIsPunctured) {
   EXPECT_TRUE(bench.needle.at_membrane());
   EXPECT_EQ(bench.needle.counts().punctures, 0);
   EXPECT_NEAR(bench.needle.tip_point(bench.mesh).x, 0.06, 1e-15);
-  while (!bench.needle.motion().finished()) bench.step(0.05, 3.1);
+  while (!bench.motion.finished()) bench.step(0.05, 3.1);
   EXPECT_EQ(bench.needle.counts().punctures, 2);  // in and out again
   EXPECT_LT(bench.needle.tip_point(bench.mesh).x, 0.02);
 }
@@ -254,13 +254,13 @@ TEST(Needle, AdvanceWithoutASolutionIsAnError) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.06));
   while (bench.needle.counts().hand_overs < 2) bench.step(0.05, 2);
   Needle& needle = bench.needle;
-  needle.start_step(bench.mesh, needle.motion().next(0.05));
+  needle.start_step(bench.mesh, bench.motion.next(0.05));
   const double from = Axis::along(bench.mesh.point(needle.track().tip()));
   const auto solve = [&] {
-    while (needle.wants_edit()) apply(bench.mesh, needle.plan(bench.mesh, still(bench.mesh)));
+    while (needle.wants_edit()) rewrite(bench.mesh, needle.plan(bench.mesh, still(bench.mesh)));
     const double tip = Axis::along(bench.mesh.point(needle.track().tip()));
     const double gap = tip < from + 3e-4 ? 1e-3 : -1e-3;
-    const double to = needle.motion().tip() + 1e-3;
+    const double to = needle.tip() + 1e-3;
     const std::vector<int> nodes = needle.loaded_nodes(bench.mesh);
     std::vector<NodeTrial> trials(nodes.size());
     for (auto& node : trials) node.u = {-(to - tip - gap), 0};
@@ -282,7 +282,7 @@ TEST(Needle, SameDecisionsInEveryNumbering) {
     const double height = 0.03;  // without jitter on no line of nodes, but halfway: all ties
     Bench plain(Mesh(data), needle_at(height, 0.06));
     Bench other(permuted(data, 4), needle_at(height, 0.06));
-    while (!plain.needle.motion().finished()) {
+    while (!plain.motion.finished()) {
       plain.step(0.05, above);
       other.step(0.05, above);
       ASSERT_EQ(plain.needle.counts().hand_overs, other.needle.counts().hand_overs);

@@ -1,0 +1,125 @@
+// The tissue of a scene as it moves: mesh, operator, what holds and loads it, its state, and the points
+// that ride on it. It knows nothing of needles but the edits that they ask for.
+#pragma once
+
+#include "stylet/dynamics/time_integrator.hpp"
+#include "stylet/mesh/embedded_point.hpp"
+#include "stylet/needle/track.hpp"
+#include "stylet/needle/view.hpp"
+#include "stylet/scene/scene.hpp"
+#include "stylet/simulation/conditions.hpp"
+#include "stylet/simulation/energy.hpp"
+#include "stylet/simulation/model.hpp"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace stylet {
+
+/// What edits have done to the reference mesh.
+struct MeshRewrites {
+  int edge_flips = 0;
+  int pattern_rebuilds = 0;
+  double worst_quality = 1;  ///< of any element at any time
+};
+
+/// Points that were embedded together.
+struct Riders {
+  std::size_t first = 0;
+  std::size_t size = 0;
+};
+
+/// A step goes: begin; then apply, watch and attempt in any order, as often as it takes; then finish and
+/// accept.
+class Body {
+ public:
+  /// Collective. scene: in the needle's coordinates, outlives the body. Throws InputError where scene
+  /// and mesh do not fit.
+  Body(MPI_Comm comm, const Scene& scene);
+
+  [[nodiscard]] const NumberedMesh& numbered() const { return numbered_; }
+  [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
+  [[nodiscard]] const TissueOperator& tissue() const { return *tissue_; }
+  [[nodiscard]] const Conditions& conditions() const { return conditions_; }
+  [[nodiscard]] const EnergyLedger& ledger() const { return ledger_; }
+  [[nodiscard]] const MeshRewrites& rewrites() const { return rewrites_; }
+  [[nodiscard]] double time() const { return state_.t; }
+  /// Collective.
+  [[nodiscard]] const State& state() const;
+  /// Collective. To disturb it: the energy is not checked from then on.
+  [[nodiscard]] State& state();
+  /// s; infinity if every step is stable.
+  [[nodiscard]] double stable_step() const { return integrator_->stable_step(); }
+  [[nodiscard]] bool decides_by_velocity() const { return integrator_->decides_by_velocity(); }
+  /// What holds the tissue apart from the needle, now.
+  [[nodiscard]] std::span<const PrescribedDof> held() const { return held_; }
+  /// These constraints without those of held dofs: where a support and the needle meet, the support
+  /// holds.
+  [[nodiscard]] ConstraintSet beside_held(ConstraintSet constraints) const;
+
+  /// Takes points along through all edits.
+  Riders embed(std::span<const EmbeddedPoint> points);
+  [[nodiscard]] std::span<const EmbeddedPoint> points(const Riders& riders) const {
+    return std::span(riders_).subspan(riders.first, riders.size);
+  }
+  /// Collective. World positions of embedded points.
+  [[nodiscard]] std::vector<WorldPoint> world(std::span<const EmbeddedPoint> points) const;
+
+  /// Collective. Rewrites mesh, operator and state. repaired: a path whose edges stay while flips mend
+  /// the elements around the edits; null for none. Throws NumericalError where an element gets too thin.
+  void apply(const NeedleEdits& edits, const Track* repaired = nullptr);
+  /// Collective. The state at these nodes.
+  [[nodiscard]] NeedleView view(std::span<const int> nodes) const;
+  /// Collective. The trial at these watched nodes.
+  [[nodiscard]] TrialView view(std::span<const int> nodes, const Trial& trial) const;
+
+  /// Collective. Once, before all else: the loads begin.
+  void start();
+  /// Collective. Starts a step of h (s) from the state: loads and prescribed displacements of its end.
+  void begin(double h);
+  /// Collective. The next trials must hold the values of these nodes.
+  void watch(std::span<const int> nodes) { integrator_->watch(nodes); }
+  /// Collective. The end of the step under these constraints; edited: since the last trial.
+  Trial attempt(const ConstraintSet& constraints, bool edited);
+  /// Collective. The last trial; `whole` if it is asked for at all nodes.
+  Trial finish(bool whole);
+  /// Collective. The trial becomes the state. work, dissipated: by the needle (J).
+  void accept(const Trial& trial, double work, double dissipated);
+  /// Collective. Kinetic and strain energy of now, for the record, or at the end of a run also checked.
+  void weigh(bool check);
+
+  /// True if loads or prescribed displacements change between these times.
+  [[nodiscard]] bool conditions_change(double t0, double t1) const {
+    return conditions_.changes(t0, t1);
+  }
+  /// Collective (m/s).
+  [[nodiscard]] double largest_speed() const;
+  /// Collective. Total force on the tissue (N) that a prescribed curve needed in the last step.
+  [[nodiscard]] Vector2 curve_reaction(std::size_t curve) const;
+
+ private:
+  void update_load(double t);
+  [[nodiscard]] double prescribed_work(const Trial& trial) const;
+  std::vector<int> rewrite(const NeedleEdits& edits, const Track* repaired);
+
+  const Scene& scene_;
+  NumberedMesh numbered_;
+  Conditions conditions_;
+  std::unique_ptr<TissueOperator> tissue_;
+  EnergyLedger ledger_;
+  std::unique_ptr<TimeIntegrator> integrator_;
+  State state_;
+  std::vector<PrescribedDof> held_;
+  std::vector<EmbeddedPoint> riders_;
+  MeshRewrites rewrites_;
+  double h_ = 0;  ///< of the present step
+  OwnedVec load_;
+  OwnedVec last_load_;
+  double load_time_ = 0;       ///< time that load_ is of (s)
+  bool load_changes_ = false;  ///< in the present step
+  bool load_changed_ = false;  ///< since the last accepted step
+  OwnedVec reaction_;          ///< of the last step, where curves are prescribed
+};
+
+}  // namespace stylet

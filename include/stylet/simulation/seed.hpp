@@ -1,0 +1,27 @@
+// Seeds: where needles leave them, and where they may.
+#pragma once
+
+#include "stylet/needle/needle.hpp"
+#include "stylet/simulation/body.hpp"
+
+#include <string>
+
+namespace stylet {
+
+struct Seed {
+  std::string needle;
+  std::string target;    ///< empty if the scene has none
+  double time = 0;       ///< of implantation (s)
+  Vector2 displacement;  ///< of the tissue there when it was implanted (m)
+  Riders place;          ///< one point
+  TipStand tip;
+};
+
+/// Collective. Leaves a seed at the tip of a needle. largest_tip_force: of the needle so far (N), for
+/// the message. Throws NumericalError where the needle has not cut its way there.
+[[nodiscard]] Seed leave_seed(Body& body,
+                              const Needle& needle,
+                              const std::string& target,
+                              double largest_tip_force);
+
+}  // namespace stylet

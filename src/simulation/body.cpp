@@ -1,0 +1,286 @@
+#include "stylet/simulation/body.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/sorted.hpp"
+#include "stylet/dynamics/explicit_newmark.hpp"
+#include "stylet/dynamics/implicit_newmark.hpp"
+#include "stylet/dynamics/quasi_static.hpp"
+#include "stylet/needle/local_mesh.hpp"
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/log.hpp"
+#include "stylet/simulation/needle_path.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <string>
+
+namespace stylet {
+
+namespace {
+
+// Triangles below `wanted_quality` are repaired by flips after a hand-over; below the floor the run
+// ends.
+constexpr double wanted_quality = 0.2;
+constexpr double quality_floor = 0.02;
+
+NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene) {
+  NumberedMesh numbered = make_mesh(comm, scene);
+  check_against_mesh(scene, numbered.mesh);
+  return numbered;
+}
+
+std::unique_ptr<TimeIntegrator> make_integrator(TissueOperator& tissue,
+                                                const Mesh& mesh,
+                                                const TimeParameters& time) {
+  if (time.method == TimeMethod::explicit_newmark) {
+    return std::make_unique<ExplicitNewmark>(tissue, mesh, time);
+  }
+  if (time.method == TimeMethod::quasi_static &&
+      NearField::serves(tissue.comm(), tissue.n_dofs())) {
+    return std::make_unique<QuasiStatic>(tissue);
+  }
+  return std::make_unique<ImplicitNewmark>(tissue, time);
+}
+
+OwnedVec zeros(const TissueOperator& tissue) {
+  OwnedVec vec = tissue.make_vector();
+  check(VecSet(vec.get(), 0));
+  return vec;
+}
+
+}  // namespace
+
+Body::Body(MPI_Comm comm, const Scene& scene)
+    : scene_(scene),
+      numbered_(checked_mesh(comm, scene)),
+      conditions_(scene, mesh()),
+      tissue_(make_tissue(comm, scene, numbered_)),
+      ledger_(*tissue_, mesh(), scene.time, scene.tissue.thickness),
+      integrator_(make_integrator(*tissue_, mesh(), scene.time)),
+      held_(conditions_.prescribed(0)) {
+  if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty()) {
+    check_held(scene, mesh(), held_);
+  }
+  check_needles(scene, mesh(), conditions_);
+  check_step(scene, mesh(), std::min(scene.time.step, stable_step()));
+  for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) *vec = zeros(*tissue_);
+  if (conditions_.has_load()) last_load_ = zeros(*tissue_);
+  if (!scene.prescribed.empty()) reaction_ = zeros(*tissue_);
+  std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
+  std::iota(all.begin(), all.end(), 0);
+  rewrites_.worst_quality = mesh().worst_quality(all);
+}
+
+const State& Body::state() const {
+  integrator_->complete();
+  return state_;
+}
+
+State& Body::state() {
+  integrator_->complete();
+  ledger_.stop_checks();
+  return state_;
+}
+
+ConstraintSet Body::beside_held(ConstraintSet constraints) const {
+  std::erase_if(constraints.dofs, [&](const PrescribedDof& c) {
+    return std::ranges::binary_search(held_, c.dof, {}, &PrescribedDof::dof);
+  });
+  return constraints;
+}
+
+Riders Body::embed(std::span<const EmbeddedPoint> points) {
+  const Riders riders{riders_.size(), points.size()};
+  riders_.insert(riders_.end(), points.begin(), points.end());
+  return riders;
+}
+
+std::vector<WorldPoint> Body::world(std::span<const EmbeddedPoint> points) const {
+  if (points.empty()) return {};
+  integrator_->complete();
+  std::vector<int> nodes;
+  for (const auto& point : points) {
+    for (const int node : mesh().cell(point.cell)) nodes.push_back(node);
+  }
+  const Vec vectors[1] = {state_.u.get()};
+  const auto u = gather(vectors, dofs_of(nodes))[0];
+  std::vector<WorldPoint> world;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Vector2 moved;
+    for (std::size_t k = 0; k < 3; ++k) {
+      moved = moved + points[i].weights[k] * Vector2{u[6 * i + 2 * k], u[6 * i + 2 * k + 1]};
+    }
+    world.push_back(displaced(points[i].x, moved));
+  }
+  return world;
+}
+
+// The mesh alone; returns the cells that changed, ascending.
+std::vector<int> Body::rewrite(const NeedleEdits& edits, const Track* repaired) {
+  Mesh& mesh = numbered_.mesh;
+  std::vector<int> touched = stylet::rewrite(mesh, edits);
+  rewrites_.edge_flips += static_cast<int>(edits.flips.size());
+  if (repaired != nullptr) {
+    rewrites_.edge_flips +=
+        static_cast<int>(repair(mesh, *repaired, touched, wanted_quality).size());
+  }
+  sort_unique(touched);
+  const double worst = mesh.worst_quality(touched);
+  rewrites_.worst_quality = std::min(rewrites_.worst_quality, worst);
+  if (worst < quality_floor) {
+    throw NumericalError("the needle would leave an element of quality " + std::to_string(worst) +
+                         " (at least " + std::to_string(quality_floor) +
+                         " is needed); refine the mesh or move the needle");
+  }
+  return touched;
+}
+
+void Body::apply(const NeedleEdits& edits, const Track* repaired) {
+  static const LogEvent event("StyletEdit");
+  const LogScope scope(event);
+  const auto touched = rewrite(edits, repaired);
+  const auto rows = tissue_->rows_of(mesh(), touched);
+  integrator_->complete_at(rows);
+  const double before = ledger_.within(*tissue_, rows, state_);
+  for (const auto& move : edits.moves) {
+    const auto set = [&](Vec vector, Vector2 value) {
+      set_owned(vector, 2 * move.node, value.x);
+      set_owned(vector, 2 * move.node + 1, value.y);
+    };
+    set(state_.u.get(), move.state.u);
+    set(state_.v.get(), move.state.v);
+    set(state_.a.get(), move.state.a);
+  }
+  if (tissue_->update(mesh(), touched)) ++rewrites_.pattern_rebuilds;
+  if (conditions_.has_body_force()) update_load(load_time_);
+  integrator_->touched(mesh(), touched);
+  ledger_.edited(ledger_.within(*tissue_, rows, state_) - before);
+  relocate(mesh(), touched, riders_);
+}
+
+NeedleView Body::view(std::span<const int> nodes) const {
+  integrator_->complete_at(nodes);
+  const Vec vectors[3] = {state_.u.get(), state_.v.get(), state_.a.get()};
+  const auto g = gather(vectors, dofs_of(nodes));
+  std::vector<NodeState> states;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
+    states.push_back({of(0), of(1), of(2)});
+  }
+  return {std::vector<int>(nodes.begin(), nodes.end()), std::move(states)};
+}
+
+TrialView Body::view(std::span<const int> nodes, const Trial& trial) const {
+  const Vec vectors[6] = {
+      trial.u,       trial.v, trial.needed.reaction, trial.working.reaction, trial.settled.reaction,
+      state_.u.get()};
+  const auto g = gather(vectors, dofs_of(nodes));
+  std::vector<NodeTrial> trials;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
+    // A mean of forces goes with the mean velocity: by another one contacts could contradict each other.
+    const Vector2 v = trial.means ? (1 / h_) * (of(0) - of(5)) : of(1);
+    trials.push_back({of(0), v, of(2), of(3), of(4)});
+  }
+  return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
+}
+
+void Body::start() {
+  update_load(0);
+  // Quasi-static loads grow from zero in the first step; dynamic ones act at once.
+  if (scene_.time.method == TimeMethod::quasi_static) return;
+  if (last_load_) check(VecCopy(load_.get(), last_load_.get()));
+  ConstraintSet held;
+  held.dofs = held_;
+  initial_acceleration(*tissue_, state_, load_.get(), held);
+}
+
+void Body::begin(double h) {
+  h_ = h;
+  const double t1 = state_.t + h;
+  load_changes_ = conditions_.load_changes(state_.t, t1);
+  if (load_changes_ || load_changed_) update_load(t1);
+  if (!scene_.prescribed.empty()) held_ = conditions_.prescribed(t1);
+  integrator_->begin(state_, load_.get(), h, held_);
+}
+
+void Body::update_load(double t) {
+  if (!conditions_.has_load()) return;
+  load_changed_ = true;
+  load_time_ = t;
+  const auto force = conditions_.load(mesh(), t);
+  PetscScalar* values = nullptr;
+  check(VecGetArray(load_.get(), &values));
+  std::copy(force.begin() + tissue_->first_dof(), force.begin() + tissue_->end_dof(), values);
+  check(VecRestoreArray(load_.get(), &values));
+}
+
+Trial Body::attempt(const ConstraintSet& constraints, bool edited) {
+  ConstraintSet set = beside_held(constraints);
+  set.load_jumps = load_changes_;
+  return integrator_->attempt(set, edited);
+}
+
+Trial Body::finish(bool whole) {
+  return integrator_->finish(whole || conditions_.has_load() || !scene_.prescribed.empty());
+}
+
+// Work of the forces on prescribed curves in a step that is about to be accepted (J).
+double Body::prescribed_work(const Trial& trial) const {
+  double work = 0;
+  const double end = ledger_.end_weight(trial);
+  for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Vec vectors[4] = {reaction_.get(), trial.working.reaction, state_.u.get(), trial.u};
+      const auto values = gather(vectors, conditions_.curve_dofs(i, k));
+      for (std::size_t n = 0; n < values[0].size(); ++n) {
+        work += ((1 - end) * values[0][n] + end * values[1][n]) * (values[3][n] - values[2][n]);
+      }
+    }
+  }
+  return work;
+}
+
+void Body::accept(const Trial& trial, double work, double dissipated) {
+  const auto strain = integrator_->strain_energy();
+  const double external = work + trial.blow_work + (reaction_ ? prescribed_work(trial) : 0);
+  const Vec load0 = load_changed_ ? last_load_.get() : nullptr;
+  ledger_.add(*tissue_, state_, trial, h_, load0, last_load_ ? load_.get() : nullptr, external,
+              dissipated);
+  if (reaction_) check(VecCopy(trial.settled.reaction, reaction_.get()));
+  integrator_->accept();
+  if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
+  load_changed_ = false;
+  if (strain) {
+    ledger_.weigh(*strain);
+  } else if (ledger_.due()) {
+    ledger_.weigh(*tissue_, state_);
+  }
+}
+
+void Body::weigh(bool check) {
+  if (check) {
+    ledger_.weigh(*tissue_, state_);
+  } else if (ledger_.unchecked()) {
+    ledger_.measure(*tissue_, state_);
+  }
+}
+
+double Body::largest_speed() const {
+  PetscReal speed = 0;
+  check(VecNorm(state_.v.get(), NORM_INFINITY, &speed));
+  return speed;
+}
+
+Vector2 Body::curve_reaction(std::size_t curve) const {
+  std::array<double, 2> total{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vec vectors[1] = {reaction_.get()};
+    const auto values = gather(vectors, conditions_.curve_dofs(curve, k));
+    for (const double value : values[0]) total[k] += value;
+  }
+  return {total[0], total[1]};
+}
+
+}  // namespace stylet
