@@ -11,7 +11,6 @@ MOST_LINES = 400
 # Longer files and why they may be.
 LONG = {
     "src/needle/needle.cpp": "one state machine: plan, constraints and review share its state",
-    "src/simulation/simulation.cpp": "the one loop of a step; what could leave it has left",
 }
 
 
