@@ -139,23 +139,20 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
   double value = 0;
   if (constraints.mean) {
     double u = 0;
-    double v = 0;
     double moved = 0;  // by held dofs
     for (const auto& [dof, weight] : constraints.mean->weights) {
       if (near_->eliminated(dof)) {
-        const Vec vectors[3] = {u_guess_.get(), v_guess_.get(), held_increment_.get()};
+        const Vec vectors[2] = {u_guess_.get(), held_increment_.get()};
         const int one[1] = {dof};
         const auto held = gather(vectors, one);
         u += weight * held[0][0];
-        v += weight * held[1][0];
-        moved += weight * held[2][0];
+        moved += weight * held[1][0];
         continue;
       }
       weights_.push_back({near_->at(dof), weight});
       u += weight * u_near_[weights_.back().at];
-      v += weight * v_near_[weights_.back().at];
     }
-    value = place(constraints.mean->value, u, v) - u - moved;
+    value = constraints.mean->value - u - moved;
     if (weights_.empty()) throw_all_held();
   }
   solution_ = near_->solve(extra_, given_, weights_, value);
@@ -203,12 +200,9 @@ void ImplicitNewmark::complete_near() {
 
 Trial ImplicitNewmark::finish(bool) {
   if (near_) complete_near();
-  const HoldingForces forces{reaction_.get(), near_ ? solution_.lambda : trial_.settled.lambda};
-  if (twice_) {
-    trial_ = both_halves(forces);
-    trial_.damping_work = damping_between_halves();
-  } else if (near_) {
-    trial_ = at_end(u_.get(), v_.get(), forces);
+  if (near_) {
+    trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
+    trial_.only_end = inertia_ && damps_at_once();
     if (has_blow_) settle();
   }
   return trial_;

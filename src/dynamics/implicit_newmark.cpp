@@ -48,7 +48,7 @@ ImplicitNewmark::ImplicitNewmark(TissueOperator& tissue, const TimeParameters& p
 }
 
 double ImplicitNewmark::stable_step() const {
-  return std::numeric_limits<double>::infinity();
+  return damped_steps_ > 0 ? half_ : std::numeric_limits<double>::infinity();
 }
 
 void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
@@ -62,13 +62,10 @@ void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
 void ImplicitNewmark::begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) {
   state_ = &state;
   load_ = load;
-  step_ = h;
   held_.assign(held.begin(), held.end());
   fresh_ = true;
-  twice_ = false;
-  k_ = scheme_;
+  k_ = damped_steps_ > 0 ? coefficients(ImplicitScheme::backward_euler, 0) : scheme_;
   h_ = h;
-  from_ = {state.u.get(), state.v.get(), state.a.get()};
 }
 
 // The operator of the present coefficients, with all edits.
@@ -111,7 +108,9 @@ void ImplicitNewmark::prepare() {
 
 // Predictors from the start, the forces that they leave unbalanced, and increments of held dofs.
 void ImplicitNewmark::predict() {
-  const auto [u0, v0, a0] = from_;
+  const Vec u0 = state_->u.get();
+  const Vec v0 = state_->v.get();
+  const Vec a0 = state_->a.get();
   check(VecCopy(u0, u_guess_.get()));
   if (!inertia_) {
     check(VecSet(v_guess_.get(), 0));
@@ -141,13 +140,7 @@ void ImplicitNewmark::predict() {
 
 // The unknown that gives a dof its displacement or velocity; u, v: its predictors.
 double ImplicitNewmark::increment_of(const PrescribedDof& c, double u, double v) const {
-  return c.velocity ? (c.value - v) / speed() : place(c.value, u, v) - u;
-}
-
-// Where a displacement that ends at `end` is at the end of this stage; u, v: its predictors.
-double ImplicitNewmark::place(double end, double u, double v) const {
-  // Half-way, with the velocity of the whole step. Backward Euler predicts by u0 + h v0, v0.
-  return halfway_ ? 0.5 * (end + u - h_ * v) : end;
+  return c.velocity ? (c.value - v) / speed() : c.value - u;
 }
 
 void ImplicitNewmark::hold() {
@@ -172,22 +165,23 @@ void ImplicitNewmark::hold() {
 Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   if (fresh_) {
     predict();
-  } else if (!twice_ && near_ && !edited_.empty()) {
+  } else if (near_ && !edited_.empty()) {
     predict_edited();
-  } else if (!twice_ && !near_ && edited) {
+  } else if (!near_ && edited) {
     predict();
   }
-  // It needs the predictors of the whole step, which two half steps leave.
-  const bool begins = twice_ || held_begin_ || needle_begins(constraints);
-  if (!damps_at_once() && (begins || (inertia_ && constraints.load_jumps))) {
-    twice_ = true;
-    trial_ = attempt_twice(constraints);
-  } else {
-    if (fresh_) prepare();
-    trial_ = near_ ? attempt_near(constraints) : attempt_whole(constraints);
-    has_blow_ = begins;
-    if (has_blow_) take_off_blow(constraints);
+  const bool begins = held_begin_ || needle_begins(constraints);
+  if (scheme_.c0 != 0 && (begins || (inertia_ && constraints.load_jumps))) {
+    const bool is_damped = damps_at_once();
+    if (!is_damped) half_ = 0.5 * h_;
+    damped_steps_ = 2;
+    if (!is_damped) return trial_;
   }
+  if (fresh_) prepare();
+  trial_ = near_ ? attempt_near(constraints) : attempt_whole(constraints);
+  has_blow_ = begins;
+  if (has_blow_) take_off_blow(constraints);
+  trial_.only_end = inertia_ && damps_at_once();
   fresh_ = false;
   return trial_;
 }
@@ -212,16 +206,14 @@ Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints) {
     std::ranges::for_each(held_, add);
     std::ranges::for_each(constraints.dofs, add);
     if (mean) {
-      double before[2] = {0, 0};  // of the predictors
+      double before = 0;  // of the predictors
       for (const auto& [dof, weight] : mean->weights) {
-        if (!u.owns(dof)) continue;
-        before[0] += weight * u[dof];
-        before[1] += weight * v[dof];
+        if (u.owns(dof)) before += weight * u[dof];
       }
       if (size_of(tissue_.comm()) > 1) {
-        check_mpi(MPI_Allreduce(MPI_IN_PLACE, before, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+        check_mpi(MPI_Allreduce(MPI_IN_PLACE, &before, 1, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
       }
-      mean->value = place(mean->value, before[0], before[1]) - before[0];
+      mean->value -= before;
     }
   }
   const auto result = solver_->solve(tissue_.tangent_matrix(), rhs_.get(), given,
@@ -234,14 +226,15 @@ Trial ImplicitNewmark::attempt_whole(const ConstraintSet& constraints) {
 }
 
 void ImplicitNewmark::accept() {
-  if (!twice_ && !damps_at_once()) fit_given();
+  if (!damps_at_once()) fit_given();
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
   if (inertia_) {
     check(VecCopy(increment_.get(), state_->a.get()));
     check(VecScale(state_->a.get(), 1 / (k_.c1 * h_ * h_)));
   }
-  state_->t += step_;
+  state_->t += h_;
+  if (damped_steps_ > 0) --damped_steps_;
   released_ = had_mean_ && !has_mean_;
   had_mean_ = has_mean_;
 }

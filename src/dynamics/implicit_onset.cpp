@@ -55,71 +55,10 @@ void ImplicitNewmark::fit_given() {
   Entries increment(increment_.get());
   for (const auto& c : needle_dofs_) {
     if (!v.owns(c.dof)) continue;
-    if (!c.velocity) v[c.dof] = (u1[c.dof] - u0[c.dof]) / step_;
-    const double a = c.velocity ? (v[c.dof] - v0[c.dof]) / step_ : 0;
+    if (!c.velocity) v[c.dof] = (u1[c.dof] - u0[c.dof]) / h_;
+    const double a = c.velocity ? (v[c.dof] - v0[c.dof]) / h_ : 0;
     increment[c.dof] = k_.c1 * h_ * h_ * a;
   }
-}
-
-Trial ImplicitNewmark::attempt_twice(const ConstraintSet& constraints) {
-  const auto half = [&](Vec u, Vec v) {
-    from_ = {u, v, state_->a.get()};
-    predict();
-    prepare();
-    return near_ ? attempt_near(constraints) : attempt_whole(constraints);
-  };
-  for (OwnedVec* vec : {&middle_u_, &middle_v_, &first_reaction_, &mean_reaction_}) {
-    if (!*vec) *vec = tissue_.make_vector();
-  }
-  k_ = coefficients(ImplicitScheme::backward_euler, 0);
-  h_ = 0.5 * step_;
-  halfway_ = true;
-  const Trial first = half(state_->u.get(), state_->v.get());
-  if (near_) complete_near();
-  check(VecCopy(u_.get(), middle_u_.get()));
-  check(VecCopy(v_.get(), middle_v_.get()));
-  check(VecCopy(reaction_.get(), first_reaction_.get()));
-  first_lambda_ = near_ ? solution_.lambda : first.settled.lambda;
-  halfway_ = false;
-  const Trial second = half(middle_u_.get(), middle_v_.get());
-  Trial trial = both_halves(second.settled);
-  trial.iterations = first.iterations + second.iterations;
-  return trial;
-}
-
-Trial ImplicitNewmark::both_halves(const HoldingForces& second) {
-  check(VecWAXPY(mean_reaction_.get(), 1, first_reaction_.get(), second.reaction));
-  check(VecScale(mean_reaction_.get(), 0.5));
-  Trial trial =
-      at_end(u_.get(), v_.get(), {mean_reaction_.get(), 0.5 * (first_lambda_ + second.lambda)});
-  // The tip lets go if both halves would pull.
-  trial.needed.lambda = std::max(first_lambda_, second.lambda);
-  trial.settled = second;
-  trial.means = true;
-  return trial;
-}
-
-// Damping works on the velocities of both halves; the ledger books it on their mean.
-double ImplicitNewmark::damping_between_halves() {
-  if (!tissue_.damping()) return 0;
-  Vec difference = rhs_.get();
-  check(VecCopy(middle_u_.get(), difference));
-  check(VecAXPBYPCZ(difference, -1, -1, 2, state_->u.get(), u_.get()));
-  double energy = 0;
-  const auto add = [&](double factor) {
-    PetscScalar value = 0;
-    check(VecDot(difference, work_.get(), &value));
-    energy += factor * value / step_;
-  };
-  if (tissue_.damping()->mass_factor != 0) {
-    tissue_.apply_mass(difference, work_.get());
-    add(tissue_.damping()->mass_factor);
-  }
-  if (tissue_.damping()->stiffness_factor != 0) {
-    check(MatMult(tissue_.stiffness(), difference, work_.get()));
-    add(tissue_.damping()->stiffness_factor);
-  }
-  return energy;
 }
 
 // Backward Euler takes a blow at the start of the step as one more force over all of it; the motion is the

@@ -18,6 +18,8 @@ namespace {
 constexpr int hasty_changes = 3;
 // Then so often without getting fewer.
 constexpr int most_patience = 10;
+// Rounds of changes in a step, wherever the search has taken the tip; from then on limits of force stand.
+constexpr int most_rounds = 60;
 // Flips in a step that only make way for the tip.
 constexpr int most_passages = 20;
 // Of the advance of the needle in a step: what a consistent cut leaves open goes to the next step.
@@ -192,6 +194,7 @@ void Needle::start_step(const Mesh& mesh, const NeedleStep& step) {
   remaining_ = keeps_cutting && track_.size() > 1 ? advanced_ : 0;
   advanced_ = 0;
   contact_changes_ = 0;
+  rounds_ = 0;
   forget_changes();
   if (tip_ == TipContact::open) return;
   if (parameters_.cutting.law == CuttingLaw::lagged) remaining_ = pending_;
@@ -213,7 +216,13 @@ void Needle::puncture() {
 }
 
 void Needle::forget_changes() {
-  for (auto& shaft : track_.nodes()) shaft.changes = 0;
+  if (rounds_ <= most_rounds) {
+    for (auto& shaft : track_.nodes()) shaft.changes = 0;
+  }
+  forget_block();
+}
+
+void Needle::forget_block() {
   fewest_wrong_ = std::numeric_limits<std::size_t>::max();
   patience_ = most_patience;
 }
@@ -408,24 +417,24 @@ double Needle::gap(const Mesh& mesh, const TrialView& trial) const {
 }
 
 bool Needle::review(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda) {
-  // Another integrator has another gap.
-  if (std::exchange(halves_, lambda.halves) != lambda.halves) forget_search();
-  if (parameters_.friction && !review_friction(mesh, trial, lambda.halves)) {
-    forget_search();  // another contact, another gap
-    return false;
-  }
+  if (parameters_.friction && !review_friction(mesh, trial)) return false;
   return review_tip(mesh, trial, lambda);
 }
 
-// All contacts change at once where they must, which is fast and may cycle. Where the mesh has not
+// All contacts change at once where they must, which is fast and may cycle. So on a mesh that has not
 // changed for long, nodes that have slid have one limit of force for sticking and sliding: that is
 // Tresca's problem, which has one solution, and block pivoting finds it (Portugal, Judice and Vicente
 // 1994): all that must change as long as they get fewer, else the last one alone.
-bool Needle::review_friction(const Mesh& mesh, const TrialView& trial, bool halves) {
+// A search moves the tip and begins this anew. After many rounds the nodes that have slid keep their one
+// limit for the rest of the step, and can only become more: for each set of them the gap is a continuous
+// function of the advance, which the search does not forget any more and brackets in finitely many steps.
+bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
   const auto lengths = friction_lengths(mesh);
   const auto& friction = *parameters_.friction;
-  const bool careful = std::ranges::any_of(
-      track_.nodes(), [](const ShaftNode& n) { return n.changes >= hasty_changes; });
+  const bool careful =
+      rounds_ > most_rounds || std::ranges::any_of(track_.nodes(), [](const ShaftNode& n) {
+        return n.changes >= hasty_changes;
+      });
   std::vector<std::size_t> wrong;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     const auto& shaft = track_.nodes()[i];
@@ -434,8 +443,6 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial, bool halv
     if (shaft.contact == Contact::stick) {
       const bool has_slid = careful && shaft.changes > 0;
       const double limit = (has_slid ? friction.kinetic_force : friction.static_force) * lengths[i];
-      // What slides in one half of a step and sticks in the other does neither in both: then it sticks.
-      if (halves && shaft.changes > hasty_changes) continue;
       if (std::abs(Axis::along(node.reaction)) > limit * (1 + force_slack)) wrong.push_back(i);
     } else {
       // A sign that contradicts the new velocity turns into stick (model.md, section 6).
@@ -445,6 +452,11 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial, bool halv
     }
   }
   if (wrong.empty()) return true;
+  ++rounds_;
+  const bool limits_change =
+      std::ranges::any_of(wrong, [&](std::size_t i) { return track_.nodes()[i].changes == 0; });
+  if (limits_change) forget_block();
+  if (limits_change || rounds_ <= most_rounds) forget_search();  // another gap
   if (careful) {
     if (wrong.size() < fewest_wrong_) {
       fewest_wrong_ = wrong.size();

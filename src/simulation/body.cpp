@@ -172,16 +172,13 @@ NeedleView Body::view(std::span<const int> nodes) const {
 }
 
 TrialView Body::view(std::span<const int> nodes, const Trial& trial) const {
-  const Vec vectors[6] = {
-      trial.u,       trial.v, trial.needed.reaction, trial.working.reaction, trial.settled.reaction,
-      state_.u.get()};
+  const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
+                          trial.settled.reaction};
   const auto g = gather(vectors, dofs_of(nodes));
   std::vector<NodeTrial> trials;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
-    // A mean of forces goes with the mean velocity: by another one contacts could contradict each other.
-    const Vector2 v = trial.means ? (1 / h_) * (of(0) - of(5)) : of(1);
-    trials.push_back({of(0), v, of(2), of(3), of(4)});
+    trials.push_back({of(0), of(1), of(2), of(3), of(4)});
   }
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
 }
@@ -200,6 +197,7 @@ void Body::begin(double h) {
   h_ = h;
   const double t1 = state_.t + h;
   load_changes_ = conditions_.load_changes(state_.t, t1);
+  // Also back, where a shorter step ends before the change.
   if (load_changes_ || load_changed_) update_load(t1);
   if (!scene_.prescribed.empty()) held_ = conditions_.prescribed(t1);
   integrator_->begin(state_, load_.get(), h, held_);

@@ -77,6 +77,18 @@ std::string seed_text(const Seed& seed) {
          (seed.target.empty() ? "" : " for '" + seed.target + "'");
 }
 
+// The increment law cuts a length once a step, however much more force there is.
+void note_excess(const Simulation& simulation, std::vector<std::string>& notes) {
+  const RunCounts& counts = simulation.counts();
+  constexpr double worth_a_word = 0.1;
+  if (counts.tip_excess <= worth_a_word * counts.peak_needle_force) return;
+  notes.push_back("increment law: a tip bore up to " + brief(counts.tip_excess) +
+                  " N more than it cuts at, and the peak needle force of " +
+                  brief(counts.peak_needle_force) +
+                  " N is off by about as much; another increment or time.step, or cutting.law "
+                  "consistent");
+}
+
 void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
   const Scene& scene = simulation.scene();
   constexpr double worth_a_word = 0.1e-3;  // m
@@ -90,7 +102,8 @@ void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
     if (seed.tip.lag > worth_a_word) {
       notes.push_back("lagged cutting: when " + seed_text(seed) + ", its tip was " +
                       brief(1e3 * seed.tip.lag) +
-                      " mm late, and the seed is off by about as much; a smaller time.step, or "
+                      " mm late, and the seed is off by about as much, and forces with it; a "
+                      "smaller time.step, or "
                       "cutting.law consistent");
     }
     if (cutting.law == CuttingLaw::increment && seed.tip.force > far_above * seed.tip.needed) {
@@ -132,6 +145,7 @@ std::vector<std::string> notes_of(const Simulation& simulation) {
   note_locking(simulation.scene(), notes);
   note_point_tips(simulation.scene(), notes);
   note_cuts(simulation, notes);
+  note_excess(simulation, notes);
   note_held_corners(simulation, notes);
   return notes;
 }

@@ -76,10 +76,10 @@ StepRecord Simulation::step_unguarded() {
   act_without_time();
   const long long ended = hand_->ended();
   const double wanted = scene_.time.step;
+  const bool is_implicit = scene_.time.method == TimeMethod::implicit_newmark;
   double longest = std::min(wanted, body_.stable_step());
   // Sub-steps need not fill the step exactly: the nearest whole number of them does.
   while (!done_ && hand_->ended() == ended && record.h + 0.5 * longest < wanted) {
-    longest = std::min(wanted, body_.stable_step());
     const SubStep sub = take_step(body_, *hand_, needle_ ? &*needle_ : nullptr, longest);
     record.h += sub.h;
     ++record.sub_steps;
@@ -87,6 +87,9 @@ StepRecord Simulation::step_unguarded() {
     record.iterations += sub.iterations;
     record.needle = sub.needle;
     count(sub);
+    const double next = std::min(wanted, body_.stable_step());
+    if (is_implicit && next > longest) hand_->choose_step_anew();
+    longest = next;
   }
   act_without_time();
   if (done_ || hand_->ended() != ended || time() >= next_strain_) watch_strain();
@@ -100,11 +103,10 @@ void Simulation::count(const SubStep& step) {
   ++counts_.sub_steps;
   counts_.passes += step.passes;
   counts_.iterations += step.iterations;
-  counts_.peak_needle_force =
-      std::max(counts_.peak_needle_force, std::abs(step.needle.forces.total()));
-  largest_tip_force_ = std::max(largest_tip_force_, step.needle.forces.tip);
   if (needle_) {
+    const NeedleCounts before = counts_.needle;
     counts_.needle = earlier_needles_ + needle_->counts();
+    count_forces(step.needle.forces, counts_.needle.punctures > before.punctures);
     count_deformed_inversions();
   }
   const MeshRewrites& rewrites = body_.rewrites();
@@ -174,6 +176,7 @@ void Simulation::enter(const NeedleParameters& parameters) {
   std::ranges::sort(nodes);
   body_.apply(needle_->enter(mesh(), entry, body_.view(nodes)), &needle_->track());
   largest_tip_force_ = 0;
+  last_friction_ = 0;
   hand_->entered(needle_->skin(), Axis::along(entry.x));
 }
 
@@ -190,6 +193,19 @@ ConstraintSet Simulation::constraints() const {
   if (needle_ && !needle_->released()) set = body_.beside_held(needle_->constraints(mesh()));
   set.dofs.insert(set.dofs.end(), body_.held().begin(), body_.held().end());
   return set;
+}
+
+void Simulation::count_forces(const NeedleForces& forces, bool punctured) {
+  largest_tip_force_ = std::max(largest_tip_force_, forces.tip);
+  double peak = std::abs(forces.total());
+  // What broke within the step bore its force there, and the tip has fallen back since.
+  if (punctured) peak = std::max(peak, std::abs(scene_.membrane->puncture_force + last_friction_));
+  counts_.peak_needle_force = std::max(counts_.peak_needle_force, peak);
+  last_friction_ = forces.friction;
+  if (needle_->parameters().cutting.law == CuttingLaw::increment && !punctured) {
+    const double excess = forces.tip - needle_->force_to_cut(mesh());
+    counts_.tip_excess = std::max(counts_.tip_excess, excess);
+  }
 }
 
 void Simulation::count_deformed_inversions() {

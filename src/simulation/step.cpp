@@ -13,7 +13,7 @@ namespace {
 constexpr int most_passes = 500;
 
 Multiplier multiplier(const Trial& trial) {
-  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda, trial.means};
+  return {trial.needed.lambda, trial.working.lambda, trial.settled.lambda};
 }
 
 // The tip cuts as far as the needle asks for. True if the mesh changed.
@@ -28,26 +28,40 @@ bool edit(Body& body, Needle& needle) {
   return edited;
 }
 
+// The same step from the same start, shorter where it has to be: the elements that an edit left bound the
+// very step that it belongs to, and motion that begins asks for half of it. True if it begins anew.
+bool shorten(Body& body, Hand& hand, Needle* needle, NeedleStep& step) {
+  constexpr double round_off = 1e-6;  // of equal steps to the end of an action
+  const double longest = body.stable_step();
+  if (step.h <= (1 + round_off) * longest) return false;
+  step = hand.step(longest);
+  if (needle != nullptr) needle->shorten_step(step);
+  body.begin(step.h);
+  return true;
+}
+
 // Rounds of edits, solve and review until every contact and the cut agree with the motion. Returns the
-// nodes that the needle loads; the step may have become shorter.
-std::vector<int> settle(Body& body, Hand& hand, Needle& needle, NeedleStep& step, SubStep& result) {
+// nodes that the needle loads.
+std::vector<int> settle(Body& body, Hand& hand, Needle* needle, NeedleStep& step, SubStep& result) {
   const Mesh& mesh = body.mesh();
+  std::vector<int> loaded;
   for (;;) {
-    const bool edited = edit(body, needle);
-    // The elements that the edit left bound the very step that it belongs to.
-    if (const double stable = body.stable_step(); edited && stable < step.h) {
-      step = hand.step(stable);
-      needle.shorten_step(step);
-      body.begin(step.h);
+    const bool edited = needle != nullptr && edit(body, *needle);
+    if (edited) shorten(body, hand, needle, step);
+    if (needle != nullptr) {
+      loaded = needle->loaded_nodes(mesh);
+      body.watch(loaded);
     }
-    std::vector<int> loaded = needle.loaded_nodes(mesh);
-    body.watch(loaded);
-    const Trial trial = body.attempt(needle.constraints(mesh), edited);
+    const Trial trial =
+        body.attempt(needle != nullptr ? needle->constraints(mesh) : ConstraintSet{}, edited);
     ++result.passes;
     result.iterations += trial.iterations;
-    if (needle.review(mesh, body.view(loaded, trial), multiplier(trial))) return loaded;
+    if (shorten(body, hand, needle, step)) continue;
+    if (needle == nullptr || needle->review(mesh, body.view(loaded, trial), multiplier(trial))) {
+      return loaded;
+    }
     if (result.passes > most_passes) {
-      throw NumericalError("the contact of needle '" + needle.parameters().name +
+      throw NumericalError("the contact of needle '" + needle->parameters().name +
                            "' does not settle after " + std::to_string(most_passes) +
                            " solves; take a smaller time.step");
     }
@@ -61,20 +75,17 @@ SubStep take_step(Body& body, Hand& hand, Needle* needle, double longest) {
   NeedleStep step = hand.step(longest);
   const bool awaits_rest = hand.awaits() == Awaited::rest;
   const double start = body.time();
-  Trial trial;
-  if (needle != nullptr && needle->takes_part(step)) {
-    needle->start_step(body.mesh(), step);
-    body.begin(step.h);
-    const auto loaded = settle(body, hand, *needle, step, result);
-    trial = body.finish(awaits_rest);
-    result.needle = needle->commit(body.mesh(), body.view(loaded), body.view(loaded, trial),
+  Needle* active = needle != nullptr && needle->takes_part(step) ? needle : nullptr;
+
+  if (active != nullptr) active->start_step(body.mesh(), step);
+  body.begin(step.h);
+  const auto loaded = settle(body, hand, active, step, result);
+  const Trial trial = body.finish(active == nullptr || awaits_rest);
+  if (active != nullptr) {
+    result.needle = active->commit(body.mesh(), body.view(loaded), body.view(loaded, trial),
                                    multiplier(trial), body.ledger().end_weight(trial));
-  } else {
-    body.begin(step.h);
-    result.iterations = body.attempt({}, false).iterations;
-    result.passes = 1;
-    trial = body.finish(true);
-    if (needle != nullptr) needle->move_free(step);
+  } else if (needle != nullptr) {
+    needle->move_free(step);
   }
   body.accept(trial, result.needle.work, result.needle.dissipated);
   result.h = step.h;

@@ -7,6 +7,8 @@ import math
 import random
 
 DEEPEST = 0.8  # of the way through the tissue: the deepest insertion
+WITHIN_FIRST_CUT = 2.5  # elements; a seed half as deep as this may be refused
+DENT = 0.4  # F / (E t) over the depth of a seed: more, and the needle may not have cut its way in
 
 
 class Draw(random.Random):
@@ -137,7 +139,7 @@ class Motion:
         self.draw, self.path, self.speed, self.targets = draw, path, speed, targets
         self.actions, self.is_straight = [], True
         self.by_position = abs(path.angle - math.pi) < 1e-12 and draw.chance(0.5)
-        self.deepest = 0
+        self.deepest, self.shallowest = 0, math.inf  # of the way; of the seeds
 
     def _to(self, verb, depth):
         end = ({"position": length(self.path.entry[0] - depth)} if self.by_position
@@ -155,6 +157,7 @@ class Motion:
     def implant(self, depth):
         name = f"t{len(self.targets) + 1}"
         self.targets[name] = lengths(self.path.at(depth))
+        self.shallowest = min(self.shallowest, depth)
         self.actions.append({"implant": {"target": name}})
 
     def hold(self):
@@ -167,9 +170,10 @@ class Motion:
                             {"settle": {"duration": "0.2 s"}})
 
 
-def motion_of(draw, path, speed, targets, damped):
+def motion_of(draw, path, speed, targets, damped, is_last, element):
     depth = path.through * (draw.uniform(0.1, DEEPEST) if draw.chance(0.75)
                             else draw.log(0.02, DEEPEST))
+    depth = max(depth, min(WITHIN_FIRST_CUT * element, DEEPEST * path.through))
     motion = Motion(draw, path, speed, targets)
     kind = draw.choice(["plain", "plain", "plain", "hold", "ends", "ends", "way_out", "deeper",
                         "again", "none"])
@@ -187,7 +191,7 @@ def motion_of(draw, path, speed, targets, damped):
     if kind == "way_out":
         motion.back(0.4 * depth)
         motion.implant(0.4 * depth)
-    if kind not in ("ends", "none"):
+    if kind not in ("ends", "none") or not is_last:  # the next needle enters when this one is out
         motion.out(damped)
     if kind == "none":
         motion.hold()
@@ -266,6 +270,34 @@ def time_of(draw, method, inserting):
     return time, inserting / steps
 
 
+def ends_at_rest(scene, last):
+    """Whether the seeds come to rest where nothing but the tissue holds them."""
+    end = last.actions[-1]
+    return (not {"loads", "prescribed"} & set(scene) and
+            ("implant" in end or "duration" not in end.get("settle", {"duration": "of a hold"})))
+
+
+def let_in(draw, scene, motions, stiffness):
+    """Weakens forces that would keep a needle out of the tissue in which it is to leave a seed."""
+    cuttings = [needle["cutting"] for needle in scene["needles"]]
+    # The force that a share of another modulus may add is less than this.
+    needed = 1.5 * max(float(c["cutting_force"].split()[0]) / c.get("sharpness", 1)
+                       for c in cuttings)
+    holders = [(c, "cutting_force") for c in cuttings]
+    holders += [(needle["friction"], f"{kind}_force") for needle in scene["needles"]
+                for kind in ("static", "kinetic") if "friction" in needle]
+    if "membrane" in scene:
+        holders.append((scene["membrane"], "puncture_force"))
+        needed = max(needed, float(scene["membrane"]["puncture_force"].split()[0]))
+    allowed = DENT * stiffness * min(motion.shallowest for motion in motions)
+    if needed <= allowed:
+        return
+    factor = draw.uniform(0.3, 1) * allowed / needed
+    for holder, key in holders:
+        value, unit = holder[key].split()
+        holder[key] = f"{factor * float(value):.5g} {unit}"
+
+
 def scene_of(seed):
     draw = Draw(f"stylet {seed}")
     method = draw.choice(["implicit"] * 5 + ["quasi_static"] * 3 + ["explicit"])
@@ -294,7 +326,8 @@ def scene_of(seed):
     needles, targets, paths, motions = [], {}, [], []
     for i, share in enumerate(shares):
         paths.append(Path(size, degrees, share))
-        motions.append(motion_of(draw, paths[-1], speed, targets, damped))
+        motions.append(motion_of(draw, paths[-1], speed, targets, damped, i + 1 == len(shares),
+                                 element))
         needles.append({"name": f"n{i + 1}", "height": length(paths[-1].height),
                         "cutting": dict(cutting)})
         if i > 0 and draw.chance(0.4):
@@ -319,9 +352,11 @@ def scene_of(seed):
         scene["targets"] = targets
     if draw.chance(0.1):
         scene["probes"] = {"p": lengths((0.5 * size[0], 0.5 * size[1]))}
-    if targets and all(m.is_straight for m in motions) and draw.chance(0.4):
+    if (targets and all(m.is_straight for m in motions) and ends_at_rest(scene, motions[-1])
+            and draw.chance(0.5)):
         time["until"] = "implanted"
     scene["time"] = time
+    let_in(draw, scene, motions, modulus * thickness)
     return scene, {"paths": paths, "element": element, "step": step, "speed": speed,
                    "inserting": inserting}
 

@@ -14,12 +14,11 @@
 //
 // Given motion that begins, or changes its speed, between two steps. Schemes that balance the start of a
 // step too carry what does not fit there on and on: a place that starts to move at speed V gets 2V, 0,
-// 2V ..., and accelerations grow with every step. So such a step is two half steps of backward Euler
-// under the same velocities (Rannacher, Numer. Math. 43, 1984: damped start after rough data), which
-// leave velocity and acceleration that fit. With average acceleration their operator is that of the
-// whole step.
-// The first half carries the blow, the second one the forces after it. In backward Euler, where the
-// whole step has it, the blow is solved for with the mass alone and taken off the forces.
+// 2V ..., and accelerations grow with every step. So such a step is refused (`stable_step` then says
+// half of it), and this step and the next one, of half its length, are steps of backward Euler
+// (Rannacher, Numer. Math. 43, 1984: damped start after rough data), which leave velocity and
+// acceleration that fit. With average acceleration their operator is that of the whole step. Each has
+// its own contacts. In backward Euler the blow is solved for with the mass alone and taken off the forces.
 //
 // Misprint in the paper: its displacement update takes the new velocity, u1 = u0 + h v1 + ...; read
 // literally that is first order and unstable above omega h = 2/sqrt(3). It must be v0, as here.
@@ -60,11 +59,6 @@ class ImplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
 
  private:
-  struct Start {
-    Vec u = nullptr;
-    Vec v = nullptr;
-    Vec a = nullptr;
-  };
   /// Of the speed of given motion: less does not begin.
   static constexpr double at_once = 1e-6;
 
@@ -75,14 +69,10 @@ class ImplicitNewmark final : public TimeIntegrator {
   void make_operator();
   void prepare();
   [[nodiscard]] bool needle_begins(const ConstraintSet& constraints);
-  [[nodiscard]] bool damps_at_once() const { return scheme_.c0 == 0; }  ///< backward Euler
+  [[nodiscard]] bool damps_at_once() const { return k_.c0 == 0; }  ///< backward Euler
   [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
-  [[nodiscard]] double place(double end, double u, double v) const;
   Trial attempt_near(const ConstraintSet& constraints);
   Trial attempt_whole(const ConstraintSet& constraints);
-  Trial attempt_twice(const ConstraintSet& constraints);
-  [[nodiscard]] Trial both_halves(const HoldingForces& second);
-  [[nodiscard]] double damping_between_halves();
   void complete_near();
   void fit_given();
   void take_off_blow(const ConstraintSet& constraints);
@@ -93,19 +83,17 @@ class ImplicitNewmark final : public TimeIntegrator {
   TissueOperator& tissue_;
   bool inertia_;
   StepCoefficients scheme_;
-  StepCoefficients k_;                       ///< of this stage: the scheme's, or of a half step
+  StepCoefficients k_;                       ///< of this step: the scheme's, or a damped one
   std::optional<NearField> near_;            ///< with a direct factor
   std::optional<ConstrainedSolver> solver_;  ///< with any other PC
   State* state_ = nullptr;
-  Start from_;  ///< of this stage
   Vec load_ = nullptr;
-  double step_ = 0;
-  double h_ = 0;        ///< of this stage: the step, or half of it
+  double h_ = 0;
   double shift_v_ = 0;  ///< of the operator
   double shift_a_ = 0;
   bool fresh_ = true;     ///< no trial yet
-  bool twice_ = false;    ///< this step is two half steps
-  bool halfway_ = false;  ///< this stage is the first of them
+  int damped_steps_ = 0;  ///< to come, with the present one
+  double half_ = 0;       ///< length of them (s)
   std::vector<PrescribedDof> held_;
   bool held_move_ = false;                  ///< some held dof has an increment
   bool held_begin_ = false;                 ///< one that its velocity does not explain
@@ -136,12 +124,6 @@ class ImplicitNewmark final : public TimeIntegrator {
   OwnedVec rhs_base_;  ///< at `begin`, less what increments of held dofs take
   OwnedVec reaction_;
   OwnedVec work_;
-  // Of steps in which given motion begins.
-  OwnedVec middle_u_;
-  OwnedVec middle_v_;
-  OwnedVec first_reaction_;
-  OwnedVec mean_reaction_;
-  double first_lambda_ = 0;
   bool has_blow_ = false;
   std::optional<ConstrainedSolver> mass_solver_;
   OwnedVec jump_;  ///< of velocity

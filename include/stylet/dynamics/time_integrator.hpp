@@ -29,8 +29,7 @@ struct Trial {
   HoldingForces working;
   /// At the end of the step, after any blow: what cuts, punctures and is reported.
   HoldingForces settled;
-  /// The working forces are means over the step, and those at its start have no share in its work.
-  bool means = false;
+  bool only_end = false;    ///< forces at the start of the step have no share in its work
   int iterations = 0;       ///< of linear solvers
   double blow_work = 0;     ///< done in this step by blows, apart from the working forces (J)
   double damping_work = 0;  ///< done on the damping of mass (J)
@@ -63,7 +62,8 @@ class TimeIntegrator {
 
   /// Collective. The end of the step under these constraints of dofs that are not held, from the
   /// state as it is now (an edit may have changed it since the last trial: `edited`). What it returns
-  /// holds at watched and constrained dofs. Throws NumericalError if there is no answer.
+  /// holds at watched and constrained dofs. No answer if `stable_step` then says less than the step: it
+  /// has to begin anew, shorter. Throws NumericalError if there is none.
   virtual Trial attempt(const ConstraintSet& constraints, bool edited) = 0;
 
   /// Collective. The last trial at all dofs; at watched ones only if the integrator can postpone the
@@ -82,7 +82,8 @@ class TimeIntegrator {
   /// step is whole: its displacements then tell.
   [[nodiscard]] virtual std::optional<double> strain_energy() const { return std::nullopt; }
 
-  /// The largest step that is stable now (s); infinity if unconditionally stable.
+  /// The largest step that is right now (s): that is stable, or half of a step in which motion begins.
+  /// Infinity if none is.
   [[nodiscard]] virtual double stable_step() const = 0;
 
   /// Tells which cells changed, after the tissue's update.

@@ -41,6 +41,8 @@ class Motion {
   [[nodiscard]] NeedleStep next(double longest);
   /// The step was taken. awaited: what the action waits for has happened.
   void taken(const NeedleStep& step, bool awaited = false);
+  /// A step that was shorter than allowed for once does not shorten those that follow.
+  void choose_step_anew() { h_ = 0; }
   /// The seed of the present action was left.
   void implanted();
 

@@ -86,8 +86,8 @@ struct NodeForce {
 struct Multiplier {
   // NOLINTNEXTLINE(google-explicit-constructor): one number where all are the same
   Multiplier(double all) : needed(all), working(all), settled(all) {}
-  Multiplier(double with_blow, double that_works, double after_blow, bool of_halves)
-      : needed(with_blow), working(that_works), settled(after_blow), halves(of_halves) {}
+  Multiplier(double with_blow, double that_works, double after_blow)
+      : needed(with_blow), working(that_works), settled(after_blow) {}
   /// By which cutting is decided: before a blow or after it the smaller one, so that a cut that follows
   /// lets the tissue fall back. Backward Euler has one force over the whole step.
   [[nodiscard]] double bearing() const {
@@ -97,7 +97,6 @@ struct Multiplier {
   double needed;
   double working;
   double settled;
-  bool halves = false;  ///< the step is two half steps, and forces are their means
 };
 
 class Needle {
@@ -124,7 +123,10 @@ class Needle {
   void move_free(const NeedleStep& step) { tip_along_ = step.to; }
   void start_step(const Mesh& mesh, const NeedleStep& step);
   /// The same step from the same start, which ends sooner: its edits and contacts stay.
-  void shorten_step(const NeedleStep& step) { step_ = step; }
+  void shorten_step(const NeedleStep& step) {
+    step_ = step;
+    forget_search();
+  }
   [[nodiscard]] bool wants_edit() const { return hand_over_wanted_ || remaining_ != 0; }
   /// Throws NumericalError if the tip cannot go on.
   NeedleEdits plan(const Mesh& mesh, const NeedleView& start);
@@ -178,6 +180,7 @@ class Needle {
   void new_base();
   void forget_search();
   void forget_changes();
+  void forget_block();
   [[nodiscard]] End find_end() const;
   [[nodiscard]] std::optional<double> crossing(double length) const;
   void pass_end();
@@ -188,7 +191,7 @@ class Needle {
   [[nodiscard]] double gap(const Mesh& mesh, const TrialView& trial) const;
   [[nodiscard]] std::vector<NodeShare> tip_shares(const Mesh& mesh) const;
   [[nodiscard]] std::vector<double> friction_lengths(const Mesh& mesh) const;
-  bool review_friction(const Mesh& mesh, const TrialView& trial, bool halves);
+  bool review_friction(const Mesh& mesh, const TrialView& trial);
   bool review_tip(const Mesh& mesh, const TrialView& trial, const Multiplier& lambda);
   bool cut_further(double gap);
   [[noreturn]] void throw_no_solution() const;
@@ -224,7 +227,6 @@ class Needle {
   double base_free_ = 0;    ///< advance from base_ that is cut already (m)
   std::optional<End> end_;  ///< of base_
   AdvanceSearch search_;
-  bool halves_ = false;                     ///< the trials of this step are two half steps
   std::optional<double> holds_beyond_;      ///< advance at which the search let the tip hold (m)
   std::optional<ReferencePoint> membrane_;  ///< where the tip stands at it, not yet punctured
   std::vector<ReferencePoint> punctures_;   ///< of this needle and those before
@@ -233,6 +235,7 @@ class Needle {
   std::vector<NodeForce> last_forces_;      ///< at the end of the last step
   std::size_t fewest_wrong_ = 0;            ///< contacts that had to change, on this mesh
   int patience_ = 0;
+  int rounds_ = 0;           ///< of changes of the shaft's contacts in this step
   int contact_changes_ = 0;  ///< of the shaft in this step
   NeedleCounts counts_;
 };

@@ -49,7 +49,7 @@ class Body {
   [[nodiscard]] const State& state() const;
   /// Collective. To disturb it: the energy is not checked from then on.
   [[nodiscard]] State& state();
-  /// s; infinity if every step is stable.
+  /// The largest step that is right now (s), as TimeIntegrator::stable_step.
   [[nodiscard]] double stable_step() const { return integrator_->stable_step(); }
   [[nodiscard]] bool decides_by_velocity() const { return integrator_->decides_by_velocity(); }
   /// What holds the tissue apart from the needle, now.

@@ -57,7 +57,7 @@ class EnergyLedger {
   /// Weight of the forces at the end of a step, those at its start have the rest: what makes the
   /// work exact in the scheme.
   [[nodiscard]] double end_weight(const Trial& trial) const {
-    return trial.means ? 1 : end_weight_;
+    return trial.only_end ? 1 : end_weight_;
   }
   /// True if kinetic and strain energy are of an earlier step.
   [[nodiscard]] bool unchecked() const { return unchecked_ > 0; }

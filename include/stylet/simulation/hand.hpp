@@ -38,6 +38,8 @@ class Hand {
   [[nodiscard]] virtual Wish next() const = 0;
   /// The next step, at most `longest` (s), where that is the wish.
   [[nodiscard]] virtual NeedleStep step(double longest) = 0;
+  /// The last step was shorter than the ones to come may be.
+  virtual void choose_step_anew() {}
   [[nodiscard]] virtual Awaited awaits() const { return Awaited::nothing; }
   /// Grows where an action ends: a step of the clock ends there too.
   [[nodiscard]] virtual long long ended() const = 0;
@@ -60,6 +62,7 @@ class Schedule : public Hand {
 
   [[nodiscard]] Wish next() const override;
   [[nodiscard]] NeedleStep step(double longest) override { return motion_.next(longest); }
+  void choose_step_anew() override { motion_.choose_step_anew(); }
   [[nodiscard]] Awaited awaits() const override { return motion_.awaits(); }
   [[nodiscard]] long long ended() const override { return ended_; }
   void entered(double skin, double at_rest) override;

@@ -37,6 +37,7 @@ struct RunCounts {
   double worst_quality = 1;      ///< of any element of the reference mesh at any time
   double stable_step = 0;        ///< s; the smallest of the run; explicit only
   double peak_needle_force = 0;  ///< N
+  double tip_excess = 0;  ///< most that a tip of the increment law bore above what it cuts at (N)
   NeedleCounts needle;
 };
 
@@ -93,6 +94,7 @@ class Simulation {
   void enter(const NeedleParameters& parameters);
   void implant(const std::string& target);
   void count(const SubStep& step);
+  void count_forces(const NeedleForces& forces, bool punctured);
   void count_deformed_inversions();
   void watch_strain();
 
@@ -107,6 +109,7 @@ class Simulation {
   RunCounts counts_;
   NeedleCounts earlier_needles_;
   double largest_tip_force_ = 0;  ///< of the present needle, at the end of a step (N)
+  double last_friction_ = 0;      ///< of it (N)
   double expected_time_ = 0;      ///< s
   double next_strain_ = 0;        ///< time of the next look at all strains (s)
   LargestStrain largest_strain_;
