@@ -445,7 +445,7 @@ bool Needle::review_friction(const Mesh& mesh, const TrialView& trial) {
       const double limit = (has_slid ? friction.kinetic_force : friction.static_force) * lengths[i];
       if (std::abs(Axis::along(node.reaction)) > limit * (1 + force_slack)) wrong.push_back(i);
     } else {
-      // A sign that contradicts the new velocity turns into stick (model.md, section 6).
+      // A sign that contradicts the new velocity turns into stick (src/MODEL.md, section 6).
       const double relative = step_.speed() - Axis::along(node.v);
       const double noise = 1e-9 * friction.stick_speed;
       if (shaft.slip_sign * relative < -noise) wrong.push_back(i);

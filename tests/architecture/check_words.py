@@ -83,6 +83,10 @@ def main():
     for path in pages:
         name = path.relative_to(root).as_posix()
         breaches += breaches_of_page(root, name, path.read_text(encoding="utf-8"))
+    for top in ("include", "src", "tests"):
+        for path in sorted((root / top).rglob("*.?pp")):
+            name = path.relative_to(root).as_posix()
+            breaches += breaches_of_source(root, name, path.read_text(encoding="utf-8"))
     if breaches:
         sys.exit("\n".join(breaches))
 
