@@ -195,7 +195,7 @@ std::optional<AdvanceBase> find_way(const Mesh& mesh,
   base.at_edge = interpolate(way.hit.fraction, start.at(way.j), start.at(way.k));
   base.reach = reach_of(mesh, tip, base.r, base.distance);
   if (track.size() == 1) {
-    base.hand_over = 0;  // the first cut hands over at once (model.md: the skin is never dented)
+    base.hand_over = 0;  // the first cut hands over at once (src/MODEL.md, section 4)
     return base;
   }
   // |l - p - b r| = 2 (distance - b), the smaller root (paper, sec. V.A).

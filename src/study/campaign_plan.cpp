@@ -339,7 +339,7 @@ class Planner {
   }
 
   // insert to v1, implant, insert to v2, implant ... : exact, because seeds are fixed in the tissue and
-  // linear tissue returns to rest (model.md, section 9).
+  // linear tissue returns to rest (src/MODEL.md, section 9).
   void leave_seeds_on_the_way(const Variable& v, PlannedRun& run) const {
     const Node& end = written(v.key, v.name);
     const std::string action_path = end.path.substr(0, end.path.rfind(".insert."));

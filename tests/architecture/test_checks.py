@@ -1,9 +1,12 @@
 #!/usr/bin/python3
 """The architecture checks find breaches: a check that never fails shows nothing."""
+import pathlib
+import tempfile
 import unittest
 
 import check_layers
 import check_style
+import check_words
 
 
 class Layers(unittest.TestCase):
@@ -47,6 +50,40 @@ class Style(unittest.TestCase):
         self.assertEqual(len(check_style.breaches_of("a.hpp", "// A thing.\n#pragma once\n")), 0)
         self.assertEqual(len(check_style.breaches_of("a.hpp", "int x;\n")), 2)
         self.assertEqual(len(check_style.breaches_of("a.cpp", "\tint x;\n")), 1)
+
+
+class Words(unittest.TestCase):
+    def setUp(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        self.root = pathlib.Path(scratch.name)
+        for name in ("src/mesh/mesh.cpp", "input/a.yaml"):
+            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.root / name).touch()
+        (self.root / "src/MODEL.md").write_text("## 4. Edits\n")
+
+    def of_page(self, text, name="src/MODEL.md"):
+        return len(check_words.breaches_of_page(self.root, name, text))
+
+    def of_source(self, text):
+        return len(check_words.breaches_of_source(self.root, "src/mesh/mesh.cpp", text))
+
+    def test_links(self):
+        self.assertEqual(self.of_page("[a](../input/a.yaml#b) [c](https://example.org) [d](#e)"), 0)
+        self.assertEqual(self.of_page("[a](input/a.yaml) ![b](c.png)\n\n[d]: nowhere.md"), 3)
+
+    def test_files_in_code(self):
+        self.assertEqual(self.of_page("`run input/a.yaml` `mesh/mesh` `mesh/mesh.cpp` `u/v` `input/NAME.yaml`"), 0)
+        self.assertEqual(self.of_page("`run input/b.yaml` `mesh/mush` `mesh/mesh.hpp`\n```sh\njobs/x.sh\n```"), 4)
+
+    def test_length_of_the_readme(self):
+        self.assertEqual(self.of_page("x" * 8192, "README.md"), 0)
+        self.assertEqual(self.of_page("x" * 8193, "README.md"), 1)
+        self.assertEqual(self.of_page("x" * 8193), 0)
+
+    def test_citations(self):
+        self.assertEqual(self.of_source("// src/MODEL.md, section 4; writes report.md"), 0)
+        self.assertEqual(self.of_source("// model.md, section 4; src/MODEL.md, section 5"), 2)
 
 
 if __name__ == "__main__":

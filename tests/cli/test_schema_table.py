@@ -1,4 +1,4 @@
-"""The README's table of keys is what `stylet schema --markdown` prints."""
+"""The table of keys in input/README.md is what `stylet schema --markdown` prints."""
 
 import unittest
 
@@ -8,10 +8,10 @@ START, END = "<!-- schema -->\n", "<!-- /schema -->"
 
 
 class SchemaTable(CliTest):
-    def test_readme_table(self):
+    def test_table_of_keys(self):
         outcome = self.stylet("schema", "--markdown")
         self.assert_code(outcome, DONE)
-        readme = (SOURCE / "README.md").read_text(encoding="utf-8")
+        readme = (SOURCE / "input/README.md").read_text(encoding="utf-8")
         self.assertEqual(readme.count(START), 1)
         self.assertEqual(readme.count(END), 1)
         table = readme.split(START)[1].split(END)[0]

@@ -38,7 +38,7 @@ std::vector<std::string> Watch::look(const Simulation& simulation, const StepRec
 
 void Watch::look_at_mesh(const Simulation& simulation) {
   const Mesh& mesh = simulation.mesh();
-  // The floor that model.md, section 4, states.
+  // The floor that src/MODEL.md, section 4, states.
   constexpr double floor = 0.02;
   for (int c = 0; c < mesh.n_cells(); ++c) {
     if (!(mesh.cell_measure(c) > 0)) breach("inverted element " + std::to_string(c));

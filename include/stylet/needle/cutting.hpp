@@ -1,4 +1,4 @@
-// The cutting law of the tip (model.md, section 5): forces at which it cuts.
+// The cutting law of the tip (src/MODEL.md, section 5): forces at which it cuts.
 #pragma once
 
 #include "stylet/needle/parameters.hpp"

@@ -85,7 +85,7 @@ class Simulation {
   /// Share of the scene's time that is done, 0 to 1, as far as it is known.
   [[nodiscard]] double fraction() const;
   /// Distance between a seed and its target. At the last implant of a run until then it is the
-  /// final one (model.md, section 9).
+  /// final one (src/MODEL.md, section 9).
   [[nodiscard]] std::vector<double> placement_errors() const;
 
  private:
