@@ -27,11 +27,15 @@ bool is_numbered(std::string name) {
   return digits - name.begin() >= 4 && (end == ".yaml" || end == ".cbor" || end == ".png");
 }
 
-/// summary.json, scenes/, scenes/00012.yaml: nothing that leads out of the folder.
+/// summary.json, scenes/, frames/overview.png: nothing that leads out of the folder.
 bool is_inside(const std::string& name) {
   const auto slash = name.find('/');
-  if (name.empty() || name.starts_with(".") || slash == 0) return false;
-  return slash >= name.size() - 1 || is_numbered(name.substr(slash + 1));
+  const auto is_plain = [](const std::string& part) {
+    return !part.empty() && !part.starts_with(".") && part.find('/') == std::string::npos;
+  };
+  if (slash == std::string::npos) return is_plain(name);
+  const std::string rest = name.substr(slash + 1);
+  return is_plain(name.substr(0, slash)) && (rest.empty() || is_plain(rest));
 }
 
 bool is_file(const std::string& path) {

@@ -126,6 +126,26 @@ void note_excess(const Simulation& simulation, std::vector<std::string>& notes) 
                   "consistent");
 }
 
+// Where a small error of mesh or step decides whether a membrane has broken, the seed lies here or there.
+void note_membranes(const Simulation& simulation, std::vector<std::string>& notes) {
+  constexpr double nearly = 0.9;   // of the force that breaks it
+  constexpr double barely = 0.05;  // of the needle's way
+  for (const Seed& seed : simulation.seeds()) {
+    if (seed.tip.at_membrane && seed.tip.force > nearly * seed.tip.needed) {
+      notes.push_back(
+          "membrane: when " + seed_text(seed) + ", its tip stood at a membrane with " +
+          brief(seed.tip.force) + " N of the " + brief(seed.tip.needed) +
+          " N that break it; on another mesh or step it may have broken before, and the "
+          "seed would lie deeper");
+    } else if (seed.tip.since_puncture < barely) {
+      notes.push_back("membrane: " + seed_text(seed) + " when it had just broken a membrane, " +
+                      brief(100 * seed.tip.since_puncture) +
+                      " % of its way before; on another mesh or step it may not have broken yet, "
+                      "and the seed would lie less deep");
+    }
+  }
+}
+
 void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
   const Scene& scene = simulation.scene();
   constexpr double worth_a_word = 0.1e-3;  // m
@@ -134,8 +154,7 @@ void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
   // kelvin * force * element / tip_length: on the first three meshes of two scenes the error is 0.8 to 1.2
   // of it where the needle stops near the skin, and half of it deep in the tissue.
   for (const Seed& seed : simulation.seeds()) {
-    const auto needle = std::ranges::find(scene.needles, seed.needle, &NeedleParameters::name);
-    const CuttingParameters& cutting = needle->cutting;
+    const CuttingParameters& cutting = seed.cutting;
     if (seed.tip.lag > worth_a_word) {
       notes.push_back("lagged cutting: when " + seed_text(seed) + ", its tip was " +
                       brief(1e3 * seed.tip.lag) +
@@ -185,6 +204,7 @@ std::vector<std::string> notes_of(const Simulation& simulation) {
   note_late(simulation, notes);
   note_cuts(simulation, notes);
   note_excess(simulation, notes);
+  note_membranes(simulation, notes);
   note_held_corners(simulation, notes);
   return notes;
 }

@@ -56,6 +56,7 @@ Seed leave_seed(Body& body,
   seed.displacement = {tip.x - p.x, tip.y - p.y};
   seed.place = body.embed({&*place, 1});
   seed.tip = needle.stand();
+  seed.cutting = needle.parameters().cutting;
   return seed;
 }
 

@@ -21,7 +21,7 @@ std::vector<EmbeddedPoint> embedded_in(const Mesh& mesh,
     const auto found = locate(mesh, x, hint);
     if (!found) {
       const auto written = rotation.to_scene(x);
-      throw InputError("a vertex of the membrane lies outside the tissue: (" +
+      throw InputError("membrane.polygon: a vertex lies outside the tissue: (" +
                        ten_digits(written.x) + ", " + ten_digits(written.y) + ") m");
     }
     embedded.push_back(*found);

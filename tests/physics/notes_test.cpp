@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace stylet {
 namespace {
 
@@ -52,6 +54,22 @@ TEST(Notes, AreRare) {
     }
   }
   EXPECT_THAT(notes_of(soft), testing::Contains(HasSubstr("away from the needle")));
+}
+
+TEST(Notes, SeedsAtAMembraneThatASmallErrorBreaks) {
+  Simulation reference(MPI_COMM_WORLD, reference_scene(), false);
+  while (reference.counts().needle.punctures == 0) reference.step();
+  const double broken = -reference.needle()->tip();  // x of the tip
+  const auto notes_at = [&](double x) {
+    Simulation simulation(
+        MPI_COMM_WORLD,
+        reference_scene({"needles.0.motion.0.insert.position=" + std::to_string(x) + " m"}), false);
+    run_to_end(simulation);
+    return notes_of(simulation);
+  };
+  EXPECT_THAT(notes_at(broken + 3e-4), testing::Contains(HasSubstr("that break it")));
+  EXPECT_THAT(notes_at(broken - 3e-4), testing::Contains(HasSubstr("just broken a membrane")));
+  EXPECT_THAT(notes_at(broken - 5e-3), Not(testing::Contains(HasSubstr("membrane"))));
 }
 
 TEST(Notes, SeedsThatAreNotAtRest) {

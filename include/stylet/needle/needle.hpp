@@ -52,6 +52,9 @@ struct TipStand {
   double force = 0;    ///< N, on the tip
   double needed = 0;   ///< N, at which all of the tip cuts on
   double element = 0;  ///< m, size of the elements around it
+  bool at_membrane = false;
+  /// Way of the needle since it broke a membrane, as a share of its way behind the skin; 1 if it never did.
+  double since_puncture = 1;
 };
 
 class Needle {
@@ -147,6 +150,8 @@ class Needle {
   std::optional<double> holds_beyond_;  ///< advance at which the search let the tip hold (m)
   double pending_ = 0;                  ///< advance left for the next step (lagged, m)
   double last_tip_force_ = 0;           ///< N
+  int punctures_ = 0;                   ///< until the last step
+  std::optional<double> puncture_at_;   ///< place of the needle's tip after the last one (m)
 };
 
 }  // namespace stylet

@@ -15,6 +15,7 @@ struct Seed {
   Vector2 displacement;  ///< of the tissue there when it was implanted (m)
   Riders place;          ///< one point
   TipStand tip;
+  CuttingParameters cutting;  ///< of the needle
 };
 
 /// Collective. Leaves a seed at the tip of a needle. largest_tip_force: of the needle so far (N), for

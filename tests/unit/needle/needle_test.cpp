@@ -17,7 +17,7 @@ namespace {
 constexpr double above = 10;  // N, more than any threshold here
 
 /// Sum of the tip's weights: of its condition where it sticks, of its forces per newton where it cuts.
-double sum_of_weights(const Needle& needle, const Mesh& mesh) {
+double sum_of_weights(const Needle& needle) {
   const auto set = needle.constraints();
   double sum = 0;
   if (needle.tip_contact() == TipContact::stick) {
@@ -47,7 +47,7 @@ TEST(Needle, PointTipPushesUntilTheThreshold) {
 }
 
 /// Of the tip's forces while it cuts (N).
-double cutting_force(const Needle& needle, const Mesh& mesh) {
+double cutting_force(const Needle& needle) {
   double sum = 0;
   for (const auto& [dof, force] : needle.constraints().forces) sum += force;
   return Axis::along_sign * sum;
@@ -63,7 +63,7 @@ TEST(Needle, CutsWithThatPartOfItsForceThatIsIn) {
     if (bench.needle.tip_contact() != TipContact::cut) continue;
     const double s = bench.needle.track().distances(bench.mesh).front();
     // Sums of a few shares.
-    EXPECT_NEAR(cutting_force(bench.needle, bench.mesh), std::min(1.0, s / tip_length), 1e-14);
+    EXPECT_NEAR(cutting_force(bench.needle), std::min(1.0, s / tip_length), 1e-14);
   }
 }
 
@@ -106,7 +106,7 @@ TEST(Needle, ACutStaysCut) {
       if (bench.needle.tip_contact() != TipContact::cut) continue;
       // To the end of the first path without a force, and no further.
       EXPECT_GT(x, 0.05 - 1e-9);
-      EXPECT_EQ(cutting_force(bench.needle, bench.mesh), 0);
+      EXPECT_EQ(cutting_force(bench.needle), 0);
       held = held || x < 0.051;
     }
     EXPECT_TRUE(held);
@@ -119,7 +119,7 @@ TEST(Needle, ANeedleBesideAnEarlierOneCutsAnew) {
   Bench bench = second_needle(0.0317 + 0.0007, 0.03);
   for (int i = 0; i < 10; ++i) bench.step(0.05, above);
   ASSERT_EQ(bench.needle.tip_contact(), TipContact::cut);
-  EXPECT_GT(cutting_force(bench.needle, bench.mesh), 0.5);
+  EXPECT_GT(cutting_force(bench.needle), 0.5);
 }
 
 TEST(Needle, APunctureStaysOpen) {
@@ -196,7 +196,7 @@ TEST(Needle, PathIsAChainOfEdges) {
 TEST(Needle, TipWeightsSumToOne) {
   for (const double tip_length : {0.0, 0.001, 0.006, 0.02}) {
     Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.04, tip_length));
-    EXPECT_NEAR(sum_of_weights(bench.needle, bench.mesh), 1, 1e-15);  // at the skin
+    EXPECT_NEAR(sum_of_weights(bench.needle), 1, 1e-15);  // at the skin
     while (!bench.motion.finished()) {
       bench.step(0.05, above);
       const double s = bench.needle.track().distances(bench.mesh).front();
@@ -204,7 +204,7 @@ TEST(Needle, TipWeightsSumToOne) {
       if (bench.needle.tip_contact() == TipContact::open) continue;
       // A few divisions of lengths by the tip's.
       const double force = all ? 1 : std::min(1.0, s / tip_length);
-      EXPECT_NEAR(sum_of_weights(bench.needle, bench.mesh), force, 1e-14);
+      EXPECT_NEAR(sum_of_weights(bench.needle), force, 1e-14);
     }
   }
 }
