@@ -9,6 +9,7 @@
 #include "stylet/output/text_file.hpp"
 #include "stylet/output/xdmf.hpp"
 #include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>
@@ -70,6 +71,7 @@ class SnapshotWriter::File {
                             const std::string& name,
                             const std::vector<std::array<double, 2>>& points);
   void write_pending();
+  void list_snapshots();
   void write_xdmf();
 
   [[nodiscard]] Range rows(int n) const { return chunk(n, rank_, n_ranks_); }
@@ -94,6 +96,8 @@ class SnapshotWriter::File {
 
   XdmfSeries tissue_series_{"snapshots.h5"};
   XdmfSeries shape_series_{"snapshots.h5"};
+  std::chrono::steady_clock::time_point listed_;
+  bool is_listed_ = true;
 };
 
 SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
@@ -142,6 +146,17 @@ void SnapshotWriter::File::write(const Snapshot& snapshot) {
   tissue_series_.add(snapshot.time, tissue_);
   if (!shapes_.empty()) shape_series_.add(snapshot.time, shapes_);
   ++n_written_;
+  list_snapshots();
+}
+
+/// The whole list is written anew each time, so not after every one of many quick snapshots.
+void SnapshotWriter::File::list_snapshots() {
+  constexpr auto longest_delay = std::chrono::milliseconds(500);
+  int is_due = std::chrono::steady_clock::now() - listed_ >= longest_delay ? 1 : 0;
+  if (n_ranks_ > 1) check_mpi(MPI_Bcast(&is_due, 1, MPI_INT, 0, comm_));
+  is_listed_ = false;
+  if (is_due == 0) return;
+  listed_ = std::chrono::steady_clock::now();
   write_xdmf();
 }
 
@@ -155,6 +170,10 @@ void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
                     stored_bytes(snapshot, with_mesh) + metadata_bytes(snapshot, n_written_));
     });
   } catch (const Error&) {
+    try {
+      if (!is_listed_) write_xdmf();
+    } catch (const Error&) {  // the first failure is the one to tell
+    }
     h5_.reset();
     throw;
   }
@@ -283,6 +302,7 @@ void SnapshotWriter::File::write_pending() {
 
 void SnapshotWriter::File::write_xdmf() {
   const bool writes = rank_ == 0;
+  is_listed_ = true;
   try {
     write_text_atomically(comm_, folder_ + "/snapshots.xdmf",
                           writes ? tissue_series_.text() : std::string(), Durable::no);
@@ -300,6 +320,7 @@ void SnapshotWriter::File::close() {
   h5_.reset();
   const herr_t closed = H5Fclose(id);
   agree_after(comm_, [&] { check_hdf5(closed, h5_path_); });
+  if (!is_listed_) write_xdmf();
 }
 
 SnapshotWriter::SnapshotWriter(MPI_Comm comm, const std::string& folder)
