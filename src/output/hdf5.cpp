@@ -1,7 +1,6 @@
 #include "stylet/output/hdf5.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/petsc/session.hpp"
 
 #include <algorithm>
 #include <array>
@@ -33,13 +32,6 @@ void set_number(hid_t object, const std::string& name, hid_t type, Value value) 
       H5Acreate2(object, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
       name);
   check_hdf5(H5Awrite(attribute.get(), type, &value), name);
-}
-
-/// Whether ranks write its file together.
-bool is_shared(hid_t dataset) {
-  const Hdf5Id file(H5Iget_file_id(dataset), H5Fclose, "file");
-  const Hdf5Id access(H5Fget_access_plist(file.get()), H5Pclose, "file");
-  return H5Pget_driver(access.get()) == H5FD_MPIO;
 }
 
 Hdf5Id simple_space(hsize_t n_rows, hsize_t n_columns) {
@@ -83,13 +75,8 @@ void check_hdf5(herr_t status, const std::string& what) {
 Hdf5Id create_hdf5_file(MPI_Comm comm, const std::string& path) {
   check_hdf5(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), path);  // errors are ours to report
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path);
-  if (size_of(comm) > 1) {
-    check_hdf5(H5Pset_fapl_mpio(access.get(), comm, MPI_INFO_NULL), path);
-    check_hdf5(H5Pset_coll_metadata_write(access.get(), true), path);
-  } else {
-    // MPI's files wait for the disk at every flush, a third of a short run. Others may read meanwhile.
-    check_hdf5(H5Pset_file_locking(access.get(), false, true), path);
-  }
+  check_hdf5(H5Pset_fapl_mpio(access.get(), comm, MPI_INFO_NULL), path);
+  check_hdf5(H5Pset_coll_metadata_write(access.get(), true), path);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose,
           path + ": cannot be created"};
 }
@@ -138,12 +125,10 @@ PendingArray create_array(hid_t parent,
 std::optional<std::string> write_array(const PendingArray& array) {
   try {
     const Hdf5Id transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "transfer");
-    if (is_shared(array.dataset.get())) {
-      check_hdf5(H5Pset_dxpl_mpio(transfer.get(), H5FD_MPIO_COLLECTIVE), "transfer");
-      // Each rank writes its own contiguous rows: sending them to another rank first costs time.
-      check_hdf5(H5Pset_dxpl_mpio_collective_opt(transfer.get(), H5FD_MPIO_INDIVIDUAL_IO),
-                 "transfer");
-    }
+    check_hdf5(H5Pset_dxpl_mpio(transfer.get(), H5FD_MPIO_COLLECTIVE), "transfer");
+    // Each rank writes its own contiguous rows: sending them to another rank first costs time.
+    check_hdf5(H5Pset_dxpl_mpio_collective_opt(transfer.get(), H5FD_MPIO_INDIVIDUAL_IO),
+               "transfer");
     const Hdf5Id memory = simple_space(std::max<hsize_t>(array.n_rows, 1), array.n_columns);
     const Hdf5Id file(H5Dget_space(array.dataset.get()), H5Sclose, "array");
     if (array.n_rows > 0) {

@@ -12,13 +12,11 @@
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdio>
 #include <deque>
 #include <exception>
 #include <optional>
-#include <thread>
 
 namespace stylet {
 
@@ -108,18 +106,18 @@ SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
   agree_after(comm, [&] {
     if (rank_ == 0) require_room(draft, h5_path_, first_bytes);
   });
-  std::optional<Failure> failure;
   try {
-    h5_ = create_hdf5_file(comm, draft);
-    set_attribute(h5_->get(), "program", std::string("stylet"));
-    set_attribute(h5_->get(), "version", std::string(STYLET_VERSION));
-    set_attribute(h5_->get(), "format", format_version);
-    check_hdf5(H5Fflush(h5_->get(), H5F_SCOPE_LOCAL), h5_path_);
+    agree_after(comm, [&] {
+      h5_ = create_hdf5_file(comm, draft);
+      set_attribute(h5_->get(), "program", std::string("stylet"));
+      set_attribute(h5_->get(), "version", std::string(STYLET_VERSION));
+      set_attribute(h5_->get(), "format", format_version);
+      check_hdf5(H5Fflush(h5_->get(), H5F_SCOPE_LOCAL), h5_path_);
+    });
   } catch (const Error& error) {
     if (h5_) end_job(error);
-    failure = Failure{error.code(), error.what()};
+    throw;
   }
-  agree(comm, failure);
   agree_after(comm, [&] {
     if (rank_ == 0 && std::rename(draft.c_str(), h5_path_.c_str()) != 0) {
       throw_io_error(h5_path_, "cannot be created");
@@ -134,7 +132,7 @@ void SnapshotWriter::File::write(const Snapshot& snapshot) {
   reserve(snapshot);
   step_name_ = numbered("step", n_written_);
   try {
-    create_step(snapshot);
+    agree_after(comm_, [&] { create_step(snapshot); });
     write_pending();
   } catch (const Error& error) {
     end_job(error);
@@ -161,12 +159,12 @@ void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
 }
 
 /// HDF5 can neither go on nor close a file when a collective write failed on some ranks only: it
-/// hangs or crashes, at the latest when MPI ends. The snapshots before are whole on the disk. So a rank
-/// that fails does not ask the others, who may wait for it in HDF5; rank 0 speaks if it fails too.
+/// hangs or crashes, at the latest when MPI ends. The snapshots before are whole on the disk.
 void SnapshotWriter::File::end_job(const Error& error) const {
-  if (rank_ != 0) std::this_thread::sleep_for(std::chrono::seconds(1));
-  std::fprintf(stderr, "\nstylet: %s\n", error.what());
-  StatusFile::fail_at_once(error.what());
+  if (rank_ == 0) {
+    std::fprintf(stderr, "\nstylet: %s\n", error.what());
+    StatusFile::fail_at_once(error.what());
+  }
   abort_job(static_cast<int>(error.code()));
 }
 
@@ -275,10 +273,8 @@ void SnapshotWriter::File::write_pending() {
   }
   pending_.clear();
   padded_.clear();
-  if (H5Fflush(h5_->get(), H5F_SCOPE_LOCAL) < 0 && !failure) {
-    failure = Failure{ExitCode::io, h5_path_ + ": cannot be written"};
-  }
   agree(comm_, failure);
+  agree_after(comm_, [&] { check_hdf5(H5Fflush(h5_->get(), H5F_SCOPE_LOCAL), h5_path_); });
 }
 
 void SnapshotWriter::File::write_xdmf() {
@@ -298,8 +294,7 @@ void SnapshotWriter::File::close() {
   if (!h5_) return;
   const hid_t id = h5_->release();
   h5_.reset();
-  const herr_t closed = H5Fclose(id);
-  agree_after(comm_, [&] { check_hdf5(closed, h5_path_); });
+  agree_after(comm_, [&] { check_hdf5(H5Fclose(id), h5_path_); });
 }
 
 SnapshotWriter::SnapshotWriter(MPI_Comm comm, const std::string& folder)

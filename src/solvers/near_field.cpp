@@ -286,17 +286,20 @@ NearField::Solution NearField::solve(std::span<const double> extra,
     failure = Failure{error.code(), error.what()};
     valid_ = 0;
   }
-  if (rank_of(comm_) != 0) failure.reset();
-  agree(comm_, failure);
-  std::vector<double> packed(2 * n + 1);
+  std::vector<double> packed(2 * n + 2, 0.0);
   packed[0] = solution.lambda;
+  packed.back() = failure ? 1 : 0;
   std::ranges::copy(solution.x, packed.begin() + 1);
   std::ranges::copy(solution.reaction, packed.begin() + 1 + static_cast<std::ptrdiff_t>(n));
   check_mpi(MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_));
+  if (packed.back() != 0) {
+    if (rank_of(comm_) != 0) failure.reset();
+    agree(comm_, failure);
+  }
   solution.lambda = packed[0];
   const auto middle = packed.begin() + 1 + static_cast<std::ptrdiff_t>(n);
   solution.x.assign(packed.begin() + 1, middle);
-  solution.reaction.assign(middle, packed.end());
+  solution.reaction.assign(middle, packed.end() - 1);
   return solution;
 }
 

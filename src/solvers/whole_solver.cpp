@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string_view>
 #include <unistd.h>
 
@@ -24,10 +25,13 @@ constexpr int most_iterations = 2000;
 // What options may make of it.
 constexpr double largest_tolerance = 1e-8;
 
-bool is_given(const char* option) {
+/// Of an option, if it is given.
+std::optional<std::string> value_of(const char* option) {
+  char text[100] = "";
   PetscBool given = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, option, &given));
-  return given == PETSC_TRUE;
+  check(PetscOptionsGetString(nullptr, nullptr, option, text, sizeof text, &given));
+  if (given != PETSC_TRUE) return std::nullopt;
+  return text;
 }
 
 std::string type_of(KSP ksp) {
@@ -50,7 +54,7 @@ bool is_direct(const std::string& pc) {
 // Chebyshev smoother indefinite, which ends CG: seen on 19,616 triangles around a needle.
 void widen_smoother(PC pc) {
   constexpr const char* option = "-mg_levels_ksp_chebyshev_esteig";
-  if (type_of(pc) != PCGAMG || is_given(option)) return;
+  if (type_of(pc) != PCGAMG || value_of(option)) return;
   check(PetscOptionsSetValue(nullptr, option, "0,0.1,0,1.3"));
 }
 
@@ -115,7 +119,7 @@ void WholeSolver::configure() {
   check(KSPSetTolerances(ksp_.get(), tolerance, 1e-300, PETSC_DEFAULT, most_iterations));
   PC pc = nullptr;
   check(KSPGetPC(ksp_.get(), &pc));
-  const bool another_factor = is_given("-pc_factor_mat_solver_type");
+  const bool another_factor = value_of("-pc_factor_mat_solver_type").has_value();
   if (kind_ == SolverKind::multigrid && !another_factor) {
     check(PCSetType(pc, PCGAMG));
   } else if (kind_ == SolverKind::factor_distributed || another_factor) {
@@ -129,26 +133,27 @@ void WholeSolver::configure() {
     check(PCShellSetApply(pc, apply));
   }
   const std::string before = type_of(pc);
+  // PETSc reads tolerances for iterative solvers only, so their type comes first.
+  if (!is_direct(value_of("-pc_type").value_or(before))) check(KSPSetType(ksp_.get(), KSPCG));
   check(KSPSetOperators(ksp_.get(), a_, a_));
   check(KSPSetFromOptions(ksp_.get()));
   const std::string after = type_of(pc);
-  if (!is_given("-ksp_type") && !is_direct(after)) check(KSPSetType(ksp_.get(), KSPCG));
   const std::string ksp = type_of(ksp_.get());
   // The residual that stands in the near field's equations, not one that a PC has scaled.
-  if (ksp == KSPCG && !is_given("-ksp_norm_type")) {
+  if (ksp == KSPCG && !value_of("-ksp_norm_type")) {
     check(KSPSetNormType(ksp_.get(), KSP_NORM_UNPRECONDITIONED));
   }
   widen_smoother(pc);
-  PetscReal wanted = 0;
-  check(KSPGetTolerances(ksp_.get(), &wanted, nullptr, nullptr, nullptr));
-  if (wanted > largest_tolerance) {
+  PetscReal wanted = tolerance;
+  check(PetscOptionsGetReal(nullptr, nullptr, "-ksp_rtol", &wanted, nullptr));
+  if (!(wanted <= largest_tolerance)) {
     throw InputError(
         "PETSc option -ksp_rtol: allowed: at most 1e-8, so that displacements can be "
         "relied on");
   }
   direct_ = ksp == KSPPREONLY;
   ours_ = direct_ && after == PCSHELL && before == PCSHELL;
-  chosen_ = another_factor || is_given("-ksp_type") || is_given("-pc_type");
+  chosen_ = another_factor || value_of("-ksp_type") || value_of("-pc_type");
 }
 
 void WholeSolver::factor(Mat a) {

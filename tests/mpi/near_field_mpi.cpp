@@ -106,7 +106,7 @@ class SolverBelow : public testing::TestWithParam<const char*> {};
 TEST_P(SolverBelow, AnswersTheSame) {
   for (const char* method : {"quasi_static", "implicit"}) {
     const std::vector<std::string> overrides{std::string("time.method=") + method,
-                                             "needles.0.motion.0.insert.depth=2 cm"};
+                                             "needles.0.motion.0.insert.depth=1 cm"};
     expect_same(way_of(overrides, "", 7), way_of(overrides, GetParam(), 7));
   }
 }
