@@ -28,8 +28,8 @@ Codec<CuttingParameters> cutting() {
              "Young's modulus at which that share is as given."),
        field("tip_length", &C::tip_length, number("m", not_negative),
              "Length over which the tip force is spread: along the path, and along the skin as far "
-             "as "
-             "the tip is not in yet; 0: a point, and the answer depends on the mesh."),
+             "as the tip is not in yet; at most the way through the tissue; 0: a point, and the "
+             "answer depends on the mesh."),
        field("increment", &C::increment, number("m", not_negative),
              "Length of one cut of the increment law.")});
 }
