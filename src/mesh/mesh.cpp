@@ -197,6 +197,7 @@ std::array<int, 2> Mesh::flip_edge(int a, int b) {
   insert(d, both[0]);
   insert(c, both[1]);
   ++version_;
+  ++connectivity_version_;
   return {c, d};
 }
 

@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/needle/quality.hpp"
 #include "stylet/needle/skin.hpp"
 
 #include <algorithm>
@@ -12,11 +13,6 @@
 namespace stylet {
 
 namespace {
-
-// Elements: `good` ones are left alone, `fair` ones are lived with, `least` ones end the run.
-constexpr double good_quality = 0.2;
-constexpr double fair_quality = 0.1;
-constexpr double least_quality = 0.03;
 
 /// The mesh with some nodes moved, without touching it.
 class Overlay {

@@ -3,6 +3,7 @@
 #include "stylet/base/sorted.hpp"
 #include "stylet/needle/friction.hpp"
 #include "stylet/needle/membrane.hpp"
+#include "stylet/needle/quality.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,11 +18,8 @@ namespace {
 constexpr int most_passages = 20;
 // Nearer than this to the end of an earlier cut the tip is there (m).
 constexpr double touching = 1e-9;
-// A hand-over that leaves a worse triangle is refused; a poor one waits until the tip has come closer to the
-// edge ahead.
-constexpr double quality_floor = 0.03;
-constexpr double fair_quality = 0.1;
-constexpr double closer = 0.02;  // of the distance to the edge ahead
+// A poor hand-over waits until the tip has come closer by this share of the distance to the edge ahead.
+constexpr double closer = 0.02;
 // The first cut goes so far to the edge ahead at once.
 constexpr double first_cut = 0.5;
 
@@ -265,7 +263,7 @@ CutPath::Plan CutPath::hand_over(const NeedleView& start) {
     end_ = find_end();
     return {};
   }
-  if (quality < quality_floor) {
+  if (quality < least_quality) {
     // Other nodes come within reach if an edge is flipped.
     const auto passage = plan_passage(mesh_, track_, *base_);
     if (!passage || ++passages_ > most_passages) {

@@ -82,6 +82,8 @@ class SnapshotWriter::File {
 
   std::string step_name_;
   std::optional<std::uint64_t> mesh_version_;
+  std::optional<std::uint64_t> connectivity_version_;
+  std::string connectivity_;  ///< path of that array
   int n_meshes_ = 0;
   int n_nodes_ = 0;
   int n_cells_ = 0;
@@ -192,9 +194,17 @@ void SnapshotWriter::File::create_mesh(const Snapshot& snapshot) {
   pending_.push_back(create_array(mesh.get(), "coordinates", "m",
                                   {static_cast<hsize_t>(n_nodes_), 2}, nodes,
                                   snapshot.coordinates.data() + 2 * std::ptrdiff_t{nodes.begin}));
-  pending_.push_back(create_array(mesh.get(), "connectivity", "",
-                                  {static_cast<hsize_t>(n_cells_), 3}, cells,
-                                  snapshot.connectivity.data() + 3 * std::ptrdiff_t{cells.begin}));
+  if (connectivity_version_ == snapshot.connectivity_version) {
+    check_hdf5(H5Lcreate_hard(h5_->get(), connectivity_.c_str(), mesh.get(), "connectivity",
+                              H5P_DEFAULT, H5P_DEFAULT),
+               h5_path_);
+  } else {
+    pending_.push_back(
+        create_array(mesh.get(), "connectivity", "", {static_cast<hsize_t>(n_cells_), 3}, cells,
+                     snapshot.connectivity.data() + 3 * std::ptrdiff_t{cells.begin}));
+    connectivity_version_ = snapshot.connectivity_version;
+    connectivity_ = "/" + name + "/connectivity";
+  }
   tissue_.name = "tissue";
   tissue_.points = {"/" + name + "/coordinates", n_nodes_, 2, false};
   tissue_.connectivity = {"/" + name + "/connectivity", n_cells_, 3, true};

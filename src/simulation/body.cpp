@@ -6,6 +6,7 @@
 #include "stylet/dynamics/implicit_newmark.hpp"
 #include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/needle/local_mesh.hpp"
+#include "stylet/needle/quality.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/simulation/needle_path.hpp"
@@ -18,11 +19,6 @@
 namespace stylet {
 
 namespace {
-
-// Triangles below `wanted_quality` are repaired by flips after a hand-over; below the floor the run
-// ends.
-constexpr double wanted_quality = 0.2;
-constexpr double quality_floor = 0.02;
 
 NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene) {
   NumberedMesh numbered = make_mesh(comm, scene);
@@ -119,8 +115,7 @@ std::vector<int> Body::rewrite(const NeedleEdits& edits, const Track* repaired) 
   std::vector<int> touched = stylet::rewrite(mesh, edits);
   rewrites_.edge_flips += static_cast<int>(edits.flips.size());
   if (repaired != nullptr) {
-    rewrites_.edge_flips +=
-        static_cast<int>(repair(mesh, *repaired, touched, wanted_quality).size());
+    rewrites_.edge_flips += static_cast<int>(repair(mesh, *repaired, touched, good_quality).size());
   }
   sort_unique(touched);
   const double worst = mesh.worst_quality(touched);

@@ -11,47 +11,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stylet {
 
 namespace {
 
 using nlohmann::ordered_json;
-
-std::vector<Column> columns(const Simulation& simulation) {
-  std::vector<Column> columns{{"time", "s"}};
-  const Scene& scene = simulation.scene();
-  if (!scene.needles.empty()) {
-    for (const char* name : {"tip_world_x", "tip_world_y", "tip_reference_x", "tip_reference_y"}) {
-      columns.push_back({name, "m"});
-    }
-    for (const char* name : {"force_tip", "force_friction", "force_needle"}) {
-      columns.push_back({name, "N"});
-    }
-    if (scene.membrane) {
-      columns.push_back({"membrane_held", ""});
-      columns.push_back({"punctures", ""});
-    }
-    columns.push_back({"n_stuck", ""});
-    columns.push_back({"n_sliding", ""});
-    columns.push_back({"worst_quality", ""});
-  }
-  for (const char* name : {"kinetic_energy", "strain_energy", "dissipated_energy",
-                           "external_energy", "edit_energy", "balance_error"}) {
-    columns.push_back({name, "J"});
-  }
-  columns.push_back({"solves", ""});
-  columns.push_back({"iterations", ""});
-  for (const auto& probe : scene.probes) {
-    columns.push_back({probe.name + "_ux", "m"});
-    columns.push_back({probe.name + "_uy", "m"});
-  }
-  for (const auto& prescribed : scene.prescribed) {
-    columns.push_back({prescribed.curve + "_fx", "N"});
-    columns.push_back({prescribed.curve + "_fy", "N"});
-  }
-  return columns;
-}
 
 // Points as the scene has them.
 template <class P>
@@ -68,39 +34,70 @@ Vector2 moved(ReferencePoint from, WorldPoint to) {
   return {to.x - from.x, to.y - from.y};
 }
 
-std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
-  const Rotation turn = simulation.rotation();
-  std::vector<double> row{step.t};
+// The columns of the history, in order: `add` gets name, unit and what gives the value. Values that take
+// communication are shared by the columns that need them.
+template <class Add>
+void each_column(const Simulation& simulation, const StepRecord& step, Add&& add) {
   const Scene& scene = simulation.scene();
+  const Rotation turn = simulation.rotation();
+  add("time", "s", [&] { return step.t; });
   if (!scene.needles.empty()) {
-    const Needle& needle = *simulation.needle();
-    const auto world = turn.to_scene(needle.axis().at<WorldFrame>(needle.tip()));
-    const auto reference = turn.to_scene(needle.tip_point());
-    const auto& forces = step.needle.forces;
-    row.insert(row.end(), {world.x, world.y, reference.x, reference.y, forces.tip, forces.friction,
-                           forces.total()});
+    const auto tip = [&] {
+      const Needle& needle = *simulation.needle();
+      return turn.to_scene(needle.axis().template at<WorldFrame>(needle.tip()));
+    };
+    const auto reference = [&] { return turn.to_scene(simulation.needle()->tip_point()); };
+    const NeedleForces& forces = step.needle.forces;
+    add("tip_world_x", "m", [&] { return tip().x; });
+    add("tip_world_y", "m", [&] { return tip().y; });
+    add("tip_reference_x", "m", [&] { return reference().x; });
+    add("tip_reference_y", "m", [&] { return reference().y; });
+    add("force_tip", "N", [&] { return forces.tip; });
+    add("force_friction", "N", [&] { return forces.friction; });
+    add("force_needle", "N", [&] { return forces.total(); });
     if (scene.membrane) {
-      row.push_back(needle.at_membrane() ? 1 : 0);
-      row.push_back(simulation.counts().needle.punctures);
+      add("membrane_held", "", [&] { return simulation.needle()->at_membrane() ? 1 : 0; });
+      add("punctures", "", [&] { return simulation.counts().needle.punctures; });
     }
-    row.push_back(step.needle.n_stick);
-    row.push_back(step.needle.n_slip);
-    row.push_back(simulation.counts().worst_quality);
+    add("n_stuck", "", [&] { return step.needle.n_stick; });
+    add("n_sliding", "", [&] { return step.needle.n_slip; });
+    add("worst_quality", "", [&] { return simulation.counts().worst_quality; });
   }
   const Energies& e = simulation.energies();
-  row.insert(row.end(), {e.kinetic, e.strain, e.dissipated, e.external, e.edits, e.balance_error(),
-                         static_cast<double>(step.passes), static_cast<double>(step.iterations)});
+  add("kinetic_energy", "J", [&] { return e.kinetic; });
+  add("strain_energy", "J", [&] { return e.strain; });
+  add("dissipated_energy", "J", [&] { return e.dissipated; });
+  add("external_energy", "J", [&] { return e.external; });
+  add("edit_energy", "J", [&] { return e.edits; });
+  add("balance_error", "J", [&] { return e.balance_error(); });
+  add("solves", "", [&] { return static_cast<double>(step.passes); });
+  add("iterations", "", [&] { return static_cast<double>(step.iterations); });
   const auto probes = simulation.body().world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
-    row.push_back(u.x);
-    row.push_back(u.y);
+    add(scene.probes[i].name + "_ux", "m", [&] { return u.x; });
+    add(scene.probes[i].name + "_uy", "m", [&] { return u.y; });
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
     const Vector2 force = turn.to_scene(simulation.body().curve_reaction(i));
-    row.push_back(force.x);
-    row.push_back(force.y);
+    add(scene.prescribed[i].curve + "_fx", "N", [&] { return force.x; });
+    add(scene.prescribed[i].curve + "_fy", "N", [&] { return force.y; });
   }
+}
+
+std::vector<Column> columns(const Simulation& simulation) {
+  std::vector<Column> columns;
+  each_column(simulation, {}, [&](std::string name, const char* unit, const auto& /*value*/) {
+    columns.push_back({std::move(name), unit});
+  });
+  return columns;
+}
+
+std::vector<double> row(const Simulation& simulation, const StepRecord& step) {
+  std::vector<double> row;
+  each_column(simulation, step, [&](const auto& /*name*/, const char* /*unit*/, const auto& value) {
+    row.push_back(value());
+  });
   return row;
 }
 
@@ -243,6 +240,7 @@ void Recorder::snapshot(const Simulation& simulation) {
   snapshot.coordinates = coordinates;
   snapshot.connectivity = connectivity;
   snapshot.mesh_version = mesh.version();
+  snapshot.connectivity_version = mesh.connectivity_version();
 
   const auto u = gather_all(simulation.state().u.get());
   const auto v = gather_all(simulation.state().v.get());

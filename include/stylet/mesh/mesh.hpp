@@ -83,6 +83,7 @@ class Mesh {
   /// nodes. The caller checks that the result is valid.
   std::array<int, 2> flip_edge(int a, int b);
   [[nodiscard]] std::uint64_t version() const { return version_; }
+  [[nodiscard]] std::uint64_t connectivity_version() const { return connectivity_version_; }
 
  private:
   MeshData data_;
@@ -91,6 +92,7 @@ class Mesh {
   std::vector<char> locked_;
   std::vector<std::uint64_t> locked_edges_;  ///< sorted keys
   std::uint64_t version_ = 0;
+  std::uint64_t connectivity_version_ = 0;
 };
 
 }  // namespace stylet

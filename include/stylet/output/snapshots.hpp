@@ -6,7 +6,8 @@
 //                      one array a field, vectors with three components (z = 0)
 //   /step_000012/polylines/needle, /step_000012/point_sets/seeds     (n, 2) in m, world frame
 //
-// Every array has the attribute `unit`. A mesh is stored again only when its version changed.
+// Every array has the attribute `unit`. A mesh is stored again only when its version changed, and
+// with a link to the same connectivity as long as nodes only moved.
 // snapshots.xdmf shows the tissue (apply "Warp By Vector" with u), snapshots_needle.xdmf the
 // polylines and point sets, which must not be warped.
 #pragma once
@@ -59,6 +60,7 @@ struct Snapshot {
   std::span<const double> coordinates;  ///< reference frame, two a node, all nodes
   std::span<const int> connectivity;    ///< three a cell, all cells
   std::uint64_t mesh_version = 0;
+  std::uint64_t connectivity_version = 0;
   std::vector<Field> fields = {};
   std::vector<FlagField> flags = {};
   std::vector<Polyline> polylines = {};

@@ -28,7 +28,6 @@ class Recorder {
   void finish(const Simulation& simulation);
   /// Collective. Without a last snapshot.
   void close();
-  [[nodiscard]] int n_snapshots() const { return snapshots_ ? snapshots_->n_written() : 0; }
 
  private:
   void snapshot(const Simulation& simulation);
