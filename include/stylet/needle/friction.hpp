@@ -1,4 +1,4 @@
-// The friction law of the shaft (paper, sec. V.D), of one point that stands for a length of path (m).
+// The friction law of the shaft (paper, sec. V.B), of one point that stands for a length of path (m).
 // Speeds are those of the needle relative to the tissue there (m/s).
 #pragma once
 

@@ -26,7 +26,8 @@ install(FILES meshes/prostate.geo meshes/prostate.msh DESTINATION ${data}/meshes
 # All scripts but those that need the source tree.
 install(DIRECTORY jobs DESTINATION ${data} USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN *.py
         PATTERN bench.py EXCLUDE PATTERN peers.py EXCLUDE
-        PATTERN profile.py EXCLUDE PATTERN slurm EXCLUDE PATTERN __pycache__ EXCLUDE)
+        PATTERN profile.py EXCLUDE PATTERN slurm EXCLUDE PATTERN cmake EXCLUDE
+        PATTERN __pycache__ EXCLUDE)
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 include(CMakePackageConfigHelpers)
@@ -34,6 +35,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/styletConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/stylet)
 install(EXPORT styletTargets NAMESPACE stylet:: DESTINATION ${config})
-install(FILES cmake/styletConfig.cmake cmake/dependencies.cmake
+install(FILES jobs/cmake/styletConfig.cmake jobs/cmake/dependencies.cmake
         ${PROJECT_BINARY_DIR}/styletConfigVersion.cmake DESTINATION ${config})
 install(DIRECTORY include/stylet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN app EXCLUDE)
