@@ -13,6 +13,7 @@
 #include "stylet/simulation/run.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/study/identity.hpp"
+#include "stylet/study/plan_variables.hpp"
 
 #include <petsctao.h>
 
@@ -30,100 +31,9 @@ namespace {
 using OwnedTao = Owned<Tao, TaoDestroy>;
 using Values = std::vector<double>;
 
-constexpr double unit = 1e-3;            // m; variables and residuals are in millimetres
-constexpr double first_radius = 2;       // of the trust region, mm
-constexpr double jitter_shift = 0.5e-3;  // m; about half an element of the usual meshes
-
-bool is_stop(const Action& action) {
-  return action.kind == ActionKind::insert || action.kind == ActionKind::retract;
-}
-
-/// What may change of one needle, as shifts of the scene in millimetres; speed as a share of its range.
-class Variables {
- public:
-  Variables(const Scene& scene, std::size_t needle, const PlanOptions& options)
-      : needle_(needle), options_(options) {
-    const auto& motion = scene.needles[needle].motion;
-    for (std::size_t i = 0; i < motion.size(); ++i) {
-      if (motion[i].kind != ActionKind::implant || motion[i].target.empty()) continue;
-      std::size_t stop = i;
-      while (stop > 0 && !is_stop(motion[stop])) --stop;
-      if (is_stop(motion[stop]) && std::ranges::find(stops_, stop) == stops_.end()) {
-        stops_.push_back(stop);
-      }
-    }
-    has_height_ = options.height_range > 0;
-    if (options.speeds) {
-      const auto [low, high] = *options.speeds;
-      const auto insert = std::ranges::find(motion, ActionKind::insert, &Action::kind);
-      start_speed_ = std::clamp((insert->speed - low) / (high - low), 0.0, 1.0);
-    }
-  }
-
-  [[nodiscard]] std::size_t size() const {
-    return stops_.size() + (has_height_ ? 1 : 0) + (options_.speeds ? 1 : 0);
-  }
-  [[nodiscard]] bool empty() const { return stops_.empty(); }
-
-  [[nodiscard]] Values start() const {
-    Values values(size(), 0.0);
-    if (options_.speeds) values.back() = start_speed_ * speed_scale;
-    return values;
-  }
-  [[nodiscard]] Values bounds(double sign) const {
-    Values values(stops_.size(), sign * options_.depth_range / unit);
-    if (has_height_) values.push_back(sign * options_.height_range / unit);
-    if (options_.speeds) values.push_back(sign < 0 ? 0.0 : speed_scale);
-    return values;
-  }
-
-  /// The variables that stand at an end of their range.
-  [[nodiscard]] std::vector<std::string> at_ends(const Values& values) const {
-    const Values low = bounds(-1);
-    const Values high = bounds(1);
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      constexpr double close = 1e-6;  // of the range
-      const double room = std::min(values[i] - low[i], high[i] - values[i]);
-      if (room > close * (high[i] - low[i])) continue;
-      if (i < stops_.size()) {
-        names.push_back("the stop of motion." + std::to_string(stops_[i]) + " (--depth-range)");
-      } else if (has_height_ && i == stops_.size()) {
-        names.emplace_back("the height (--height-range)");
-      } else {
-        names.emplace_back("the speed (--speed-range)");
-      }
-    }
-    return names;
-  }
-
-  void apply(const Values& values, Scene& scene) const {
-    auto& needle = scene.needles[needle_];
-    for (std::size_t i = 0; i < stops_.size(); ++i) {
-      Action& action = needle.motion[stops_[i]];
-      if (action.position) *action.position += unit * values[i];
-      if (action.depth) *action.depth -= unit * values[i];  // needles advance towards -x
-    }
-    if (has_height_) needle.height += unit * values[stops_.size()];
-    if (!options_.speeds) return;
-    const auto [low, high] = *options_.speeds;
-    for (Action& action : needle.motion) {
-      if (action.kind != ActionKind::insert) continue;
-      const double old = action.speed;
-      action.speed = low + values.back() / speed_scale * (high - low);
-      if (&action == &needle.motion.front()) scene.time.step *= old / action.speed;
-    }
-  }
-
- private:
-  static constexpr double speed_scale = 10;  // like millimetres for the trust region
-
-  std::size_t needle_;
-  const PlanOptions& options_;
-  std::vector<std::size_t> stops_;
-  bool has_height_ = false;
-  double start_speed_ = 0;
-};
+constexpr double unit = PlanVariables::unit;  // of residuals too
+constexpr double first_radius = 2;            // of the trust region, mm
+constexpr double jitter_shift = 0.5e-3;       // m; about half an element of the usual meshes
 
 class Planner {
  public:
@@ -146,7 +56,7 @@ class Planner {
 
   void run(Plan& plan) {
     for (std::size_t n = 0; n < scene_.needles.size(); ++n) {
-      const Variables variables(scene_, n, options_);
+      const PlanVariables variables(scene_, n, options_);
       if (variables.empty()) continue;
       const Values before = residuals(variables, variables.start(), n);
       const Values best = minimise(variables, n, before.size());
@@ -155,7 +65,11 @@ class Planner {
       const double wanted = options_.tolerance / unit * std::sqrt(0.5 * double(after.size()));
       if (std::sqrt(std::inner_product(after.begin(), after.end(), after.begin(), 0.0)) > wanted) {
         for (const auto& end : variables.at_ends(best)) {
-          plan.at_ends.push_back(scene_.needles[n].name + ": " + end);
+          plan.shortfalls.push_back(scene_.needles[n].name + ": " + end);
+        }
+        if (out_of_runs_) {
+          plan.shortfalls.push_back(scene_.needles[n].name + ": its " +
+                                    std::to_string(options_.most_runs) + " runs are used up");
         }
       }
       variables.apply(best, scene_);
@@ -191,7 +105,7 @@ class Planner {
 
  private:
   /// Vectors from targets to seeds (mm), two numbers a seed of this needle.
-  Values residuals(const Variables& variables, const Values& values, std::size_t needle) {
+  Values residuals(const PlanVariables& variables, const Values& values, std::size_t needle) {
     if (const auto known = known_.find({needle, values}); known != known_.end()) {
       return known->second;
     }
@@ -263,7 +177,7 @@ class Planner {
   }
 
   // Every rank minimises the same numbers; only the runs are parallel.
-  Values minimise(const Variables& variables, std::size_t needle, std::size_t n_residuals) {
+  Values minimise(const PlanVariables& variables, std::size_t needle, std::size_t n_residuals) {
     std::function<Values(const Values&)> function = [&](const Values& point) {
       return residuals(variables, point, needle);
     };
@@ -294,6 +208,9 @@ class Planner {
     check(PetscOptionsSetValue(nullptr, "-plan_tao_pounders_delta", exact(radius).c_str()));
     check(TaoSetFromOptions(tao.get()));
     check(TaoSolve(tao.get()));
+    TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
+    check(TaoGetConvergedReason(tao.get(), &reason));
+    out_of_runs_ = reason == TAO_DIVERGED_MAXFCN;
     const PetscScalar* values = nullptr;
     check(VecGetArrayRead(x.get(), &values));
     Values best(values, values + variables.size());
@@ -303,7 +220,9 @@ class Planner {
 
   /// Standard deviation (m) of every seed's distance from where the plan puts it, over shifts of the
   /// plan by half an element, the shift itself taken off: what the mesh alone does to it.
-  std::vector<double> jitter(const Variables& variables, const Values& best, std::size_t needle) {
+  std::vector<double> jitter(const PlanVariables& variables,
+                             const Values& best,
+                             std::size_t needle) {
     const Values middle = residuals(variables, best, needle);
     std::vector<double> squares(middle.size() / 2, 0.0);
     const std::size_t n_shifted = variables.size() - (options_.speeds ? 1 : 0);
@@ -333,6 +252,7 @@ class Planner {
   HistoryWriter file_;
   std::map<std::pair<std::size_t, Values>, Values> known_;  ///< by needle and variables
   int n_runs_ = 0;
+  bool out_of_runs_ = false;  ///< of the present needle
 };
 
 void check_options(const Scene& scene, const PlanOptions& options) {
@@ -393,7 +313,7 @@ Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
     plan_in(folder, comm, scene, options, result);
   });
   if (rank_of(comm) == 0 && !options.quiet) print(result, scene);
-  if (!result.at_ends.empty()) throw_at_ends(result);
+  if (!result.shortfalls.empty()) throw_shortfalls(result);
   return result;
 }
 

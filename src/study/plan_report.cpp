@@ -50,16 +50,16 @@ void print(const Plan& plan, const Scene& given) {
               plan.runs, plan.folder.c_str());
 }
 
-void throw_at_ends(const Plan& plan) {
+void throw_shortfalls(const Plan& plan) {
   double most = 0;
   for (const auto& seed : plan.seeds) most = std::max(most, seed.error);
-  throw NumericalError("the plan ends at the end of a range and still misses by " +
-                       brief(1e3 * most) + " mm: " + join(plan.at_ends, ", ") +
-                       "; a wider range may bring the seeds to their targets");
+  throw NumericalError("the plan still misses by " + brief(1e3 * most) +
+                       " mm: " + join(plan.shortfalls, ", ") +
+                       "; wider ranges, or more runs, may bring the seeds to their targets");
 }
 
 nlohmann::ordered_json summary_of(const Plan& result) {
-  nlohmann::ordered_json summary{{"status", result.at_ends.empty() ? "completed" : "failed"},
+  nlohmann::ordered_json summary{{"status", result.shortfalls.empty() ? "completed" : "failed"},
                                  {"runs", result.runs}};
   for (const auto& seed : result.seeds) {
     summary["seeds"].push_back({{"needle", seed.needle},
@@ -73,7 +73,7 @@ nlohmann::ordered_json summary_of(const Plan& result) {
                                                 {"total", seed.uncertainty->total()}};
     }
   }
-  if (!result.at_ends.empty()) summary["at_ends_of_ranges"] = result.at_ends;
+  if (!result.shortfalls.empty()) summary["shortfalls"] = result.shortfalls;
   return summary;
 }
 

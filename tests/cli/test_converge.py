@@ -135,9 +135,15 @@ class Studies(CliTest):
     def test_plan_that_ends_at_its_range_says_so(self):
         outcome = self.stylet("plan", "scene.yaml", "--depth-range", "0.5 mm", "--height-range", "0 mm")
         self.assert_code(outcome, NUMERICAL)
-        self.assert_message(outcome, "ends at the end of a range and still misses by",
+        self.assert_message(outcome, "the plan still misses by",
                             "needle1: the stop of motion.0 (--depth-range)")
-        self.assertEqual(len(self.json("out/plan-scene/summary.json")["at_ends_of_ranges"]), 1)
+        self.assertEqual(len(self.json("out/plan-scene/summary.json")["shortfalls"]), 1)
+
+    def test_plan_that_uses_up_its_runs_says_so(self):
+        outcome = self.stylet("plan", "scene.yaml", "--most-runs", "2")
+        self.assert_code(outcome, NUMERICAL)
+        self.assert_message(outcome, "the plan still misses by", "needle1: its 2 runs are used up")
+        self.assertEqual(self.json("out/plan-scene/summary.json")["status"], "failed")
 
     def test_plan_needs_runs(self):
         for runs in ("0", "-5"):  # PETSc would take a negative number for its default

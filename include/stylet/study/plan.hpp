@@ -40,8 +40,9 @@ struct Plan {
   std::string folder;
   Scene scene;  ///< as planned
   std::vector<PlannedSeed> seeds;
-  /// Variables at an end of their range, where the seeds are not at their targets.
-  std::vector<std::string> at_ends;
+  /// Where the seeds are not at their targets: variables at an end of their range, needles that have used
+  /// up their runs.
+  std::vector<std::string> shortfalls;
   int runs = 0;
 };
 
@@ -50,11 +51,11 @@ struct Plan {
 /// Advances and Trends in Optimization, 2017), which needs no derivatives and does not follow noise
 /// below the tolerance. Writes planned.yaml, plan.csv and summary.json. Throws InputError for a scene
 /// without targets, NumericalError where a run fails, and, with everything written, where the plan
-/// ends at an end of its range without reaching the tolerance.
+/// ends at an end of its range, or with its runs, without reaching the tolerance.
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options);
 
-/// NumericalError of a plan that ends at an end of its ranges.
-[[noreturn]] void throw_at_ends(const Plan& plan);
+/// NumericalError of a plan that falls short.
+[[noreturn]] void throw_shortfalls(const Plan& plan);
 
 /// What summary.json says of it.
 [[nodiscard]] nlohmann::ordered_json summary_of(const Plan& plan);
