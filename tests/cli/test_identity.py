@@ -7,7 +7,8 @@ import subprocess
 import time
 import unittest
 
-from stylet_cli import BLOCK_SCENE, DONE, IO, NUMERICAL, PROGRAM, CliTest, block_mesh, call, on_ranks
+from stylet_cli import (BLOCK_SCENE, DONE, IO, NUMERICAL, PROGRAM, SOURCE, CliTest, block_mesh, call,
+                        on_ranks)
 
 PULLED = BLOCK_SCENE.replace("method: quasi_static", "method: quasi_static\n  step: 0.5 s\n"
                              "  duration: 1 s") + """\
@@ -44,6 +45,12 @@ class Identity(CliTest):
 
     def corner(self, folder):
         return self.summary(folder)["probes"]["corner"][1]
+
+    def test_reference_scene_has_its_stored_study(self):
+        # A default that scene.yaml did not have, or another mesh, would cost it its band.
+        outcome = self.stylet("run", str(SOURCE / "input/prostate.yaml"), "--output", "reference")
+        self.assert_code(outcome, DONE)
+        self.assertIn("for 'seed': 6.20 \N{PLUS-MINUS SIGN} 0.31 mm", outcome.out)
 
     def test_summary_has_fingerprints_and_options(self):
         self.assert_code(self.stylet("run", "scene.yaml", "--", "-ksp_rtol", "1e-10",
