@@ -343,14 +343,17 @@ NeedleStepReport Needle::commit(const NeedleView& start,
     if (released()) phase_ = NeedlePhase::withdrawn;
   }
   tip_along_ = step_.to;
-  if (std::exchange(punctures_, counts().punctures) < counts().punctures) puncture_at_ = tip_along_;
+  if (std::exchange(punctures_, counts().punctures) < counts().punctures) {
+    puncture_at_ = deepest_since_ = tip_along_;
+  }
+  deepest_since_ = std::max(deepest_since_, tip_along_);
   return report;
 }
 
 TipStand Needle::stand() const {
   TipStand stand{pending_, last_tip_force_, force_to_cut(), path_.element_size(), at_membrane()};
   if (puncture_at_) {
-    stand.since_puncture = (tip_along_ - *puncture_at_) / (tip_along_ - skin_along_);
+    stand.since_puncture = (deepest_since_ - *puncture_at_) / (tip_along_ - skin_along_);
   }
   return stand;
 }

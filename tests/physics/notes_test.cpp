@@ -70,6 +70,16 @@ TEST(Notes, SeedsAtAMembraneThatASmallErrorBreaks) {
   EXPECT_THAT(notes_at(broken + 3e-4), testing::Contains(HasSubstr("that break it")));
   EXPECT_THAT(notes_at(broken - 3e-4), testing::Contains(HasSubstr("just broken a membrane")));
   EXPECT_THAT(notes_at(broken - 5e-3), Not(testing::Contains(HasSubstr("membrane"))));
+  // On the way out, in front of where it broke.
+  Scene scene = reference_scene();
+  Action back = scene.needles[0].motion[0];
+  back.kind = ActionKind::retract;
+  back.position = broken + 2e-3;
+  scene.needles[0].motion.insert(scene.needles[0].motion.begin() + 1, back);
+  Simulation simulation(MPI_COMM_WORLD, scene, false);
+  run_to_end(simulation);
+  ASSERT_EQ(simulation.seeds().size(), 1U);
+  EXPECT_THAT(notes_of(simulation), Not(testing::Contains(HasSubstr("membrane"))));
 }
 
 TEST(Notes, SeedsThatAreNotAtRest) {

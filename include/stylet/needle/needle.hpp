@@ -53,7 +53,8 @@ struct TipStand {
   double needed = 0;   ///< N, at which all of the tip cuts on
   double element = 0;  ///< m, size of the elements around it
   bool at_membrane = false;
-  /// Way of the needle since it broke a membrane, as a share of its way behind the skin; 1 if it never did.
+  /// How far the needle has been behind the place where it last broke a membrane, as a share of its way
+  /// behind the skin; 1 if it never did.
   double since_puncture = 1;
 };
 
@@ -152,6 +153,7 @@ class Needle {
   double last_tip_force_ = 0;           ///< N
   int punctures_ = 0;                   ///< until the last step
   std::optional<double> puncture_at_;   ///< place of the needle's tip after the last one (m)
+  double deepest_since_ = 0;            ///< place of the tip since then (m)
 };
 
 }  // namespace stylet
