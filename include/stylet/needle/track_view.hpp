@@ -2,7 +2,7 @@
 // stand behind a point its row of B knows (solvers/track_operator.hpp).
 #pragma once
 
-#include "stylet/needle/table.hpp"
+#include "stylet/needle/value_table.hpp"
 #include "stylet/solvers/track_operator.hpp"
 
 #include <optional>
@@ -24,10 +24,10 @@ struct PointTrial {
   TrackVector working;   ///< N, as in Trial
   TrackVector settled;   ///< N, as in Trial
 };
-using TrackTrial = Table<PointTrial>;
+using TrackTrial = ValueTable<PointTrial>;
 
 /// Displacements at the start of the step (m).
-using TrackStart = Table<TrackVector>;
+using TrackStart = ValueTable<TrackVector>;
 
 /// A displacement (m) or velocity (m/s) that is given at the end of the step.
 struct TrackHold {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "stylet/geometry/points.hpp"
-#include "stylet/needle/table.hpp"
+#include "stylet/needle/value_table.hpp"
 
 #include <vector>
 
@@ -15,7 +15,7 @@ struct NodeState {
   Vector2 a;  ///< m/s^2
 };
 
-using NeedleView = Table<NodeState>;
+using NeedleView = ValueTable<NodeState>;
 
 /// A node goes to another place of the reference mesh and takes the fields of that place.
 struct NodeEdit {

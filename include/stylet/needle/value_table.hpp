@@ -9,15 +9,15 @@
 namespace stylet {
 
 template <class Value>
-class Table {
+class ValueTable {
  public:
-  Table() = default;
+  ValueTable() = default;
   /// keys: ascending.
-  Table(std::vector<int> keys, std::vector<Value> values)
+  ValueTable(std::vector<int> keys, std::vector<Value> values)
       : keys_(std::move(keys)), values_(std::move(values)) {}
   [[nodiscard]] const Value& at(int key) const {
     const auto found = std::ranges::lower_bound(keys_, key);
-    if (found == keys_.end() || *found != key) throw std::out_of_range("is not watched");
+    if (found == keys_.end() || *found != key) throw std::out_of_range("no such node or point");
     return values_[static_cast<std::size_t>(found - keys_.begin())];
   }
   [[nodiscard]] const std::vector<int>& keys() const { return keys_; }
