@@ -9,19 +9,18 @@
 
 namespace stylet {
 
-// Predictors of dofs that became near.
+// Predictors of what became near.
 void ImplicitNewmark::refresh_near() {
-  const std::span<const int> dofs = near_.dofs();
   const Vec vectors[2] = {u_guess_.get(), v_guess_.get()};
-  if (dofs.size() == u_near_.size()) return;
-  const auto values = gather(vectors, dofs.subspan(u_near_.size()));
+  if (near_.coordinates().size() == u_near_.size()) return;
+  const auto values = near_.values(vectors, u_near_.size());
   u_near_.insert(u_near_.end(), values[0].begin(), values[0].end());
   v_near_.insert(v_near_.end(), values[1].begin(), values[1].end());
-  change_.resize(dofs.size(), 0.0);
+  change_.resize(near_.coordinates().size(), 0.0);
 }
 
-void ImplicitNewmark::watch(std::span<const int> nodes) {
-  watched_ = stylet::dofs_of(nodes);
+void ImplicitNewmark::watch(std::span<const int> coordinates) {
+  watched_.assign(coordinates.begin(), coordinates.end());
   if (!fresh_) near_.include(watched_);  // else once the operator is made
 }
 

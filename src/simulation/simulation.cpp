@@ -190,7 +190,8 @@ void Simulation::implant(const std::string& target) {
 
 ConstraintSet Simulation::constraints() const {
   ConstraintSet set;
-  if (needle_ && !needle_->released()) set = body_.beside_held(needle_->constraints());
+  if (needle_ && !needle_->released())
+    set = body_.beside_held(needle_->conditions(), needle_->track_operator());
   set.dofs.insert(set.dofs.end(), body_.held().begin(), body_.held().end());
   return set;
 }

@@ -52,7 +52,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   ImplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
-  void watch(std::span<const int> nodes) override;
+  void watch(std::span<const int> coordinates) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool whole) override;
   void accept() override;
@@ -106,7 +106,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   bool has_mean_ = false;
   bool had_mean_ = false;         ///< in the last step
   bool released_ = false;         ///< then
-  std::vector<int> watched_;      ///< dofs
+  std::vector<int> watched_;      ///< coordinates
   std::vector<int> surrounding_;  ///< what they couple to
   // Of the near dofs, in their order.
   std::vector<double> u_near_;  ///< predictors

@@ -66,8 +66,8 @@ class TimeIntegrator {
   /// are held must not change from step to step, their values may.
   virtual void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) = 0;
 
-  /// Collective. The next trials must hold the values of these nodes, whatever their constraints.
-  virtual void watch(std::span<const int> nodes) = 0;
+  /// Collective. The next trials must hold the values of these dofs, whatever their constraints.
+  virtual void watch(std::span<const int> dofs) = 0;
 
   /// Collective. The end of the step under these constraints of dofs that are not held, from the
   /// state as it is now (an edit may have changed it since the last trial: `edited`). What it returns
