@@ -1,6 +1,7 @@
 // One step in the near field against the equations of the whole tissue, solved densely: dofs and rows of
 // many dofs with a dense compliance of their own, given and pushed, beside elements that have changed.
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
 #include "stylet/simulation/model.hpp"
 #include "stylet/solvers/near_field.hpp"
 
@@ -17,7 +18,7 @@ tissue:
   plane: stress
   regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.45, density: 1000 kg/m^3}}
 supports: {left: fixed}
-time: {method: implicit, step: 10 ms}
+time: {method: implicit, step: 10 ms, duration: 1 s}
 )";
 
 /// Points whose rows are means over patches of dofs, some of them held, which overlap.
