@@ -214,10 +214,18 @@ Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   trial_ = attempt_near(constraints);
   has_blow_ = begins;
   if (has_blow_) take_off_blow(constraints);
-  trial_.only_end = damps_at_once();
+  trial_.end_weight = end_weight();
   trial_.iterations = near_.take_iterations();
   fresh_ = false;
   return trial_;
+}
+
+EnergyRules ImplicitNewmark::energy_rules() const {
+  EnergyRules rules;
+  rules.advice = keeps_products()
+                     ? "a smaller time.step, or a finer mesh"
+                     : "a smaller time.step, or time.scheme backward_euler, which damps waves";
+  return rules;
 }
 
 void ImplicitNewmark::accept() {

@@ -82,7 +82,7 @@ SubStep take_step(Body& body, Hand& hand, Needle* needle, double longest) {
   const Trial trial = body.finish(active == nullptr || awaits_rest);
   if (active != nullptr) {
     result.needle = active->commit(body.view(loaded), body.view(loaded, trial), multiplier(trial),
-                                   body.ledger().end_weight(trial));
+                                   trial.end_weight);
   } else if (needle != nullptr) {
     needle->move_free(step);
   }
