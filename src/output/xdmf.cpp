@@ -1,6 +1,6 @@
 #include "stylet/output/xdmf.hpp"
 
-#include "stylet/output/history.hpp"
+#include "stylet/output/csv.hpp"
 
 namespace stylet {
 
