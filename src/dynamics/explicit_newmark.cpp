@@ -77,7 +77,7 @@ StoredEnergy ExplicitNewmark::energy(const State& state) {
     }
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, twice, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, twice, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm());
   }
   return {0.5 * twice[0], 0.5 * twice[1]};
 }
@@ -246,7 +246,7 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   const Multipliers multipliers = apply(constraints);
   double works[3] = {placing_work_ + blow_work_, damping_work_, load_work_};
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, works, 3, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, works, 3, MPI_DOUBLE, MPI_SUM, tissue_.comm());
   }
   trial_ = {};
   trial_.u = u_.get();
@@ -350,7 +350,7 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
       sums[3] += weight * weight * mobility(dof);
     }
     if (size_of(tissue_.comm()) > 1) {
-      check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+      MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm());
     }
     if (!(sums[3] > 0)) throw_all_held();
     const double steady = -sums[2] / sums[3];

@@ -190,7 +190,7 @@ void ImplicitNewmark::hold() {
     size[1] = std::max(size[1], std::abs(v[c.dof] + speed() * value));
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, size, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, size, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm());
   }
   held_move_ = size[0] != 0;
   fastest_ = std::max(fastest_, size[1]);

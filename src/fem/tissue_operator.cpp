@@ -337,7 +337,7 @@ bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells
     }
   }
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_));
+    MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_);
   }
   if (lacks != 0) {
     make_pattern(mesh);

@@ -72,7 +72,7 @@ double EnergyLedger::within(const TissueOperator& tissue,
     }
   }
   if (size_of(tissue.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &twice, 1, MPI_DOUBLE, MPI_SUM, tissue.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, &twice, 1, MPI_DOUBLE, MPI_SUM, tissue.comm());
   }
   return 0.5 * twice;
 }
@@ -137,7 +137,7 @@ double EnergyLedger::onset_work(
       if (change != 0 && a != 0) sum += mass[dof] * change * (2 * a - change);  // else it is held
     }
   }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, tissue.comm()));
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, tissue.comm());
   return h * h / 8 * sum;
 }
 
