@@ -131,19 +131,13 @@ void ExplicitNewmark::accelerate_again(std::span<const int> rows, std::span<cons
         a[row] = 0;
         continue;
       }
-      PetscInt n = 0;
-      const PetscInt* column = nullptr;
-      const PetscScalar* values = nullptr;
-      check(MatGetRow(tissue_.stiffness(), row, &n, &column, &values));
       double force = load[row];
       auto at = dofs.begin();
-      for (PetscInt j = 0; j < n; ++j) {
-        if (values[j] == 0) continue;  // room for flips
-        at = std::lower_bound(at, dofs.end(), column[j]);
+      tissue_.along_row(row, [&](int column, double value) {
+        at = std::lower_bound(at, dofs.end(), column);
         const auto k = static_cast<std::size_t>(at - dofs.begin());
-        force -= values[j] * (fields[0][k] + damping_.stiffness_factor * fields[1][k]);
-      }
-      check(MatRestoreRow(tissue_.stiffness(), row, &n, &column, &values));
+        force -= value * (fields[0][k] + damping_.stiffness_factor * fields[1][k]);
+      });
       const auto own = std::ranges::lower_bound(dofs, row) - dofs.begin();
       force -= damping_.mass_factor * mass[row] * fields[1][static_cast<std::size_t>(own)];
       for (const auto& contact : contact_) {
@@ -382,7 +376,7 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
 Trial ExplicitNewmark::finish(bool) {
   if (damping_.stiffness_factor == 0) return trial_;
   check(VecWAXPY(increment_.get(), -1, state_->u.get(), u_.get()));
-  check(MatMult(tissue_.stiffness(), increment_.get(), work_.get()));
+  cells_.stiffness(increment_.get(), work_.get());
   PetscScalar now = 0;
   PetscScalar before = 0;
   check(VecDot(increment_.get(), work_.get(), &now));

@@ -48,7 +48,11 @@ Body::Body(MPI_Comm comm, const Scene& scene)
     : scene_(scene),
       numbered_(checked_mesh(comm, scene)),
       conditions_(scene, mesh()),
-      tissue_(make_tissue(comm, scene, numbered_)),
+      tissue_(make_tissue(
+          comm,
+          scene,
+          numbered_,
+          scene.time.method == TimeMethod::explicit_newmark ? Stiffness::rows : Stiffness::matrix)),
       integrator_(make_integrator(*tissue_, mesh(), scene.time)),
       ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.thickness),
       held_(conditions_.prescribed(0)) {

@@ -38,30 +38,24 @@ double EnergyLedger::within(const TissueOperator& tissue,
                             const State& state) const {
   const Vec vectors[3] = {state.u.get(), state.v.get(), state.a.get()};
   const auto fields = gather(vectors, dofs_of(nodes));
-  const auto product = [&](Mat matrix, const std::vector<double>& x) {
+  // x . A x; along(row, each) goes along a row of A.
+  const auto product = [&](const std::vector<double>& x, auto&& along) {
     double sum = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       const int row = 2 * nodes[i / 2] + static_cast<int>(i % 2);
       if (!tissue.owns(row / 2)) continue;
-      PetscInt n = 0;
-      const PetscInt* columns = nullptr;
-      const PetscScalar* values = nullptr;
-      check(MatGetRow(matrix, row, &n, &columns, &values));
       auto at = nodes.begin();
-      for (PetscInt j = 0; j < n; ++j) {
-        at = std::find_if(at, nodes.end(), [&](int node) { return node >= columns[j] / 2; });
-        if (at == nodes.end()) break;
-        if (*at != columns[j] / 2) continue;
-        const auto column = static_cast<std::size_t>(2 * (at - nodes.begin()) + columns[j] % 2);
-        sum += x[i] * values[j] * x[column];
-      }
-      check(MatRestoreRow(matrix, row, &n, &columns, &values));
+      along(row, [&](int column, double value) {
+        while (at != nodes.end() && *at < column / 2) ++at;
+        if (at == nodes.end() || *at != column / 2) return;
+        sum += x[i] * value * x[static_cast<std::size_t>(2 * (at - nodes.begin()) + column % 2)];
+      });
     }
     return sum;
   };
-  double twice = product(tissue.stiffness(), fields[0]);
+  double twice = product(fields[0], [&](int row, auto&& each) { tissue.along_row(row, each); });
   if (rules_.inertia && tissue.mass() != nullptr) {
-    twice += product(tissue.mass(), fields[1]);
+    twice += product(fields[1], [&](int row, auto&& each) { along_row(tissue.mass(), row, each); });
   } else if (rules_.inertia) {
     const Values mass(tissue.lumped_mass());
     for (std::size_t i = 0; i < fields[1].size(); ++i) {
