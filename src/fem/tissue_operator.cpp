@@ -220,11 +220,14 @@ void TissueOperator::fill_rows(const Mesh& mesh, std::span<const int> owned_node
   const LogScope scope(event);
   PatchCache cache;
   Masses masses;
+  const bool joins_anew =
+      columns_of_ != mesh.connectivity_version();  // flips, of these nodes' cells
+  columns_of_ = mesh.connectivity_version();
   PetscScalar* lumped = nullptr;
   check(VecGetArray(lumped_.get(), &lumped));
   for (const int node : owned_nodes) {
     NodeRows& rows = rows_[static_cast<std::size_t>(node - begin_)];
-    rows.columns = averaged() ? nodes_within(mesh, node, 2) : mesh.neighbours(node);
+    if (joins_anew) rows.columns = averaged() ? nodes_within(mesh, node, 2) : mesh.neighbours(node);
     compute(mesh, node, {}, cache, rows, masses);
     const auto at = 2 * (node - begin_);
     lumped[at] = lumped[at + 1] = masses.lumped;

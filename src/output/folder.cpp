@@ -85,15 +85,15 @@ void on_first(MPI_Comm comm, const std::string& path, Body&& body) {
   });
 }
 
-}  // namespace
-
-void write_file(const std::string& path, const std::string& text, Durable durable) {
+void write_here(const std::string& path, const std::string& text, Durable durable) {
   TextFile file(path);
   file.write(text);
   if (durable == Durable::yes) file.sync();
   file.close();
   file.appear();
 }
+
+}  // namespace
 
 OutputFolder::OutputFolder(
     MPI_Comm comm, std::string path, Contents contents, Earlier earlier, OnSignal on_signal)
@@ -226,7 +226,7 @@ void write_text_atomically(MPI_Comm comm,
                            const std::string& text,
                            Durable durable) {
   agree_after(comm, [&] {
-    if (rank_of(comm) == 0) write_file(path, text, durable);
+    if (rank_of(comm) == 0) write_here(path, text, durable);
   });
 }
 

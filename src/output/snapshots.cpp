@@ -3,7 +3,6 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/output/committed_file.hpp"
 #include "stylet/output/disk_space.hpp"
-#include "stylet/output/folder.hpp"
 #include "stylet/output/snapshot_size.hpp"
 #include "stylet/output/status_file.hpp"
 #include "stylet/output/text_file.hpp"
@@ -92,7 +91,7 @@ class SnapshotWriter::File {
   void write_mesh(const Snapshot& snapshot);
   void write_fields(hid_t step, const Snapshot& snapshot);
   void write_shapes(hid_t step, const Snapshot& snapshot);
-  void write_xdmf();
+  void tell(const Snapshot& snapshot);
   void store_points(hid_t group,
                     const std::string& group_name,
                     const std::string& name,
@@ -124,8 +123,8 @@ class SnapshotWriter::File {
   XdmfGrid tissue_;
   std::vector<XdmfGrid> shapes_;
 
-  XdmfSeries tissue_series_{"snapshots.h5"};
-  XdmfSeries shape_series_{"snapshots.h5"};
+  std::optional<XdmfSeries> tissue_series_;  ///< rank 0's
+  std::optional<XdmfSeries> shape_series_;
 };
 
 namespace {
@@ -160,7 +159,6 @@ SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
   agree_after(comm, [&] {
     if (rank_ == 0) create();
   });
-  write_xdmf();
 }
 
 // HDF5 cannot close a file whose first bytes found no room, so they are sure to find it; and the file
@@ -180,6 +178,8 @@ void SnapshotWriter::File::create() {
   if (std::rename(draft.c_str(), h5_path_.c_str()) != 0) {
     throw_io_error(h5_path_, "cannot be created");
   }
+  tissue_series_.emplace(folder_ + "/snapshots.xdmf", "snapshots.h5");
+  shape_series_.emplace(folder_ + "/snapshots_needle.xdmf", "snapshots.h5");
 }
 
 void SnapshotWriter::File::write(const Snapshot& snapshot) {
@@ -203,7 +203,7 @@ void SnapshotWriter::File::write(const Snapshot& snapshot) {
   mesh_version_ = snapshot.mesh_version;
   connectivity_version_ = snapshot.connectivity_version;
   ++n_written_;
-  write_xdmf();
+  tell(snapshot);
 }
 
 /// A full disk shows here, where the file is still whole and can be closed.
@@ -241,8 +241,6 @@ void SnapshotWriter::File::write_step(const Snapshot& snapshot) {
   write_fields(step, snapshot);
   write_shapes(step, snapshot);
   h5_->commit();
-  tissue_series_.add(snapshot.time, tissue_);
-  if (!shapes_.empty()) shape_series_.add(snapshot.time, shapes_);
 }
 
 void SnapshotWriter::File::write_mesh(const Snapshot& snapshot) {
@@ -310,12 +308,12 @@ void SnapshotWriter::File::store_points(hid_t group,
   shapes_.push_back({name, shape, stored(path, static_cast<int>(points.size()), 2, false), {}, {}});
 }
 
-void SnapshotWriter::File::write_xdmf() {
+void SnapshotWriter::File::tell(const Snapshot& snapshot) {
   try {
     agree_after(comm_, [&] {
       if (rank_ != 0) return;
-      write_file(folder_ + "/snapshots.xdmf", tissue_series_.text(), Durable::no);
-      write_file(folder_ + "/snapshots_needle.xdmf", shape_series_.text(), Durable::no);
+      tissue_series_->add(snapshot.time, tissue_);
+      if (!shapes_.empty()) shape_series_->add(snapshot.time, shapes_);
     });
   } catch (const Error&) {
     close();
@@ -332,6 +330,8 @@ void SnapshotWriter::File::close() {
     connectivity_.reset();
     h5_->close();
     room_.free();
+    tissue_series_->finish();
+    shape_series_->finish();
   });
 }
 

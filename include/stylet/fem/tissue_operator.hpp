@@ -154,7 +154,8 @@ class TissueOperator {
   std::vector<std::vector<int>> stiffness_columns_;
   std::vector<std::vector<int>> mass_columns_;
   Stiffness kept_;
-  std::vector<NodeRows> rows_;  ///< of owned nodes
+  std::vector<NodeRows> rows_;               ///< of owned nodes
+  std::optional<std::uint64_t> columns_of_;  ///< version of the mesh's edges
   OwnedMat stiffness_;
   OwnedNullSpace rigid_;
   OwnedMat mass_;

@@ -81,10 +81,6 @@ void mark_parent(MPI_Comm comm, const std::string& path);
 /// the program.
 enum class Durable { yes, no };
 
-/// Not collective. Writes `text` beside `path` and renames it, so that a killed run or a full disk
-/// leaves the old file. Throws IoError.
-void write_file(const std::string& path, const std::string& text, Durable durable);
-
 /// Collective. Rank 0 writes `text` beside `path` and renames it, so that a killed run or a full disk
 /// leaves the old file. `text` of the other ranks is not used. All ranks throw exit code `io`.
 void write_text_atomically(MPI_Comm comm,
