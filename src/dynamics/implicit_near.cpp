@@ -87,8 +87,8 @@ void ImplicitNewmark::predict_edited() {
     }
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()),
-                            MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()), MPI_DOUBLE, MPI_SUM,
+                  tissue_.comm());
   }
   for (std::size_t i = 0; i < dofs.size(); ++i) {
     if (near_.eliminated(dofs[i])) continue;
@@ -235,17 +235,16 @@ void ImplicitNewmark::store_energy() {
     }
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm());
   }
   stored_ = {0.5 * sums[1], 0.5 * sums[0]};
-  trial_.all_damping_work =
-      (damping.stiffness_factor * sums[2] + damping.mass_factor * sums[3]) / h_;
+  trial_.damping_work = (damping.stiffness_factor * sums[2] + damping.mass_factor * sums[3]) / h_;
 }
 
 Trial ImplicitNewmark::finish(bool) {
   complete_near();
   trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
-  trial_.only_end = damps_at_once();
+  trial_.end_weight = end_weight();
   if (has_blow_) settle();
   store_energy();
   return trial_;

@@ -4,6 +4,8 @@
 #include "stylet/base/sorted.hpp"
 #include "stylet/fem/material.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/gather.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -32,12 +34,14 @@ TissueOperator::TissueOperator(MPI_Comm comm,
                                const Mesh& mesh,
                                std::vector<int> first_node,
                                const TissueParameters& parameters,
-                               std::function<bool(int)> needs_flips)
+                               std::function<bool(int)> needs_flips,
+                               Stiffness kept)
     : comm_(comm),
       first_node_(std::move(first_node)),
       parameters_(parameters),
       needs_flips_(std::move(needs_flips)),
-      cell_region_(mesh.data().cell_region) {
+      cell_region_(mesh.data().cell_region),
+      kept_(kept) {
   const auto rank = static_cast<std::size_t>(rank_of(comm));
   begin_ = first_node_[rank];
   end_ = first_node_[rank + 1];
@@ -149,6 +153,14 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
   static const LogEvent event("StyletPattern");
   const LogScope scope(event);
   const int n_owned = end_ - begin_;
+  std::vector<int> all(static_cast<std::size_t>(n_owned));
+  std::iota(all.begin(), all.end(), begin_);
+  if (kept_ == Stiffness::rows) {
+    rows_.resize(all.size());
+    lumped_ = make_vector();
+    fill_rows(mesh, all);
+    return;
+  }
   stiffness_columns_.clear();
   mass_columns_.clear();
   for (int node = begin_; node < end_; ++node) {
@@ -200,9 +212,62 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
     tangent_ = make(stiffness_columns_, 2);
     check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
   }
-  std::vector<int> all(static_cast<std::size_t>(n_owned));
-  std::iota(all.begin(), all.end(), begin_);
   fill(mesh, all);
+}
+
+void TissueOperator::fill_rows(const Mesh& mesh, std::span<const int> owned_nodes) {
+  static const LogEvent event("StyletAssemble");
+  const LogScope scope(event);
+  PatchCache cache;
+  Masses masses;
+  const bool joins_anew =
+      columns_of_ != mesh.connectivity_version();  // flips, of these nodes' cells
+  columns_of_ = mesh.connectivity_version();
+  PetscScalar* lumped = nullptr;
+  check(VecGetArray(lumped_.get(), &lumped));
+  for (const int node : owned_nodes) {
+    NodeRows& rows = rows_[static_cast<std::size_t>(node - begin_)];
+    if (joins_anew) rows.columns = averaged() ? nodes_within(mesh, node, 2) : mesh.neighbours(node);
+    compute(mesh, node, {}, cache, rows, masses);
+    const auto at = 2 * (node - begin_);
+    lumped[at] = lumped[at + 1] = masses.lumped;
+  }
+  check(VecRestoreArray(lumped_.get(), &lumped));
+}
+
+// Rows of a node from all cells around it. mass_columns: empty if only the lumped mass is asked for.
+void TissueOperator::compute(const Mesh& mesh,
+                             int node,
+                             std::span<const int> mass_columns,
+                             PatchCache& cache,
+                             NodeRows& rows,
+                             Masses& masses) const {
+  const double t = parameters_.thickness;
+  const std::size_t width = 2 * rows.columns.size();
+  rows.values.assign(2 * width, 0.0);
+  masses.consistent.assign(mass_columns.size(), 0.0);
+  masses.lumped = 0;
+  for (const int cell : mesh.cells_around(node)) {
+    const auto nodes = mesh.cell(cell);
+    const auto element = simplex(mesh, cell);
+    auto m = material(cell);
+    if (averaged()) m.moduli.lambda = 0;  // see add_shared_volume
+    const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
+    masses.lumped += t * m.density * element.lumped_mass();
+    for (std::size_t b = 0; b < 3; ++b) {
+      const std::size_t at = position(rows.columns, nodes[b]);
+      const auto block = element.stiffness(a, b, m.moduli);
+      for (std::size_t i = 0; i < dim; ++i) {
+        for (std::size_t k = 0; k < dim; ++k) {
+          rows.values[i * width + 2 * at + k] += t * block[i][k];
+        }
+      }
+      if (mass_columns.empty()) continue;
+      masses.consistent[position(mass_columns, nodes[b])] +=
+          t * m.density * element.consistent_mass(a, b);
+    }
+  }
+  if (averaged()) add_shared_volume(mesh, node, rows.columns, cache, rows.values);
 }
 
 OwnedVec TissueOperator::make_vector() const {
@@ -214,40 +279,22 @@ OwnedVec TissueOperator::make_vector() const {
 void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
   static const LogEvent event("StyletAssemble");
   const LogScope scope(event);
-  std::vector<double> k_rows;
-  std::vector<double> m_rows;
+  NodeRows k;
+  Masses masses;
   std::vector<double> a_rows;
   std::vector<PetscInt> columns;
   PatchCache cache;
-  const double t = parameters_.thickness;
   const bool consistent = parameters_.mass == MassKind::consistent;
   const auto c = tangent_combination_;
   for (const int node : owned_nodes) {
     const auto& coupled = stiffness_columns_[static_cast<std::size_t>(node - begin_)];
     const auto& mass_coupled = mass_columns_[static_cast<std::size_t>(node - begin_)];
     const std::size_t width = 2 * coupled.size();
-    k_rows.assign(2 * width, 0.0);
-    m_rows.assign(mass_coupled.size(), 0.0);
-    double lumped = 0;
-    for (const int cell : mesh.cells_around(node)) {
-      const auto nodes = mesh.cell(cell);
-      const auto element = simplex(mesh, cell);
-      auto m = material(cell);
-      if (averaged()) m.moduli.lambda = 0;  // see add_shared_volume
-      const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
-      lumped += t * m.density * element.lumped_mass();
-      for (std::size_t b = 0; b < 3; ++b) {
-        const std::size_t at = position(coupled, nodes[b]);
-        const auto block = element.stiffness(a, b, m.moduli);
-        for (std::size_t i = 0; i < dim; ++i) {
-          for (std::size_t k = 0; k < dim; ++k) {
-            k_rows[i * width + 2 * at + k] += t * block[i][k];
-          }
-        }
-        m_rows[position(mass_coupled, nodes[b])] += t * m.density * element.consistent_mass(a, b);
-      }
-    }
-    if (averaged()) add_shared_volume(mesh, node, coupled, cache, k_rows);
+    k.columns = coupled;
+    compute(mesh, node, mass_coupled, cache, k, masses);
+    const std::vector<double>& k_rows = k.values;
+    const std::vector<double>& m_rows = masses.consistent;
+    const double lumped = masses.lumped;
     columns.resize(width);
     for (std::size_t j = 0; j < coupled.size(); ++j) {
       columns[2 * j] = 2 * coupled[j];
@@ -313,9 +360,15 @@ std::vector<int> TissueOperator::rows_of(const Mesh& mesh, std::span<const int> 
 
 std::vector<int> TissueOperator::coupled(const Mesh& mesh, std::span<const int> nodes) const {
   std::vector<int> all;
-  for (const int node : nodes) {
-    const auto around = nodes_within(mesh, node, averaged() ? 2 : 1);
+  const auto add = [&](std::span<const int> around) {
     all.insert(all.end(), around.begin(), around.end());
+  };
+  for (const int node : nodes) {
+    if (kept_ == Stiffness::rows && owns(node)) {
+      add(rows_[static_cast<std::size_t>(node - begin_)].columns);
+    } else {
+      add(nodes_within(mesh, node, averaged() ? 2 : 1));
+    }
   }
   sort_unique(all);
   return all;
@@ -324,6 +377,12 @@ std::vector<int> TissueOperator::coupled(const Mesh& mesh, std::span<const int> 
 bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells) {
   const std::vector<int> nodes = rows_of(mesh, touched_cells);
   remix(mesh, touched_cells);
+  if (kept_ == Stiffness::rows) {
+    std::vector<int> mine;
+    std::ranges::copy_if(nodes, std::back_inserter(mine), [&](int node) { return owns(node); });
+    fill_rows(mesh, mine);
+    return false;
+  }
   // The mesh is replicated, so every rank can see whether any owner lacks a coupling.
   int lacks = 0;
   std::vector<int> owned;
@@ -337,7 +396,7 @@ bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells
     }
   }
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_));
+    MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_);
   }
   if (lacks != 0) {
     make_pattern(mesh);
@@ -352,6 +411,22 @@ void TissueOperator::apply_mass(Vec x, Vec y) const {
     check(MatMult(mass_.get(), x, y));
   } else {
     check(VecPointwiseMult(y, lumped_.get(), x));
+  }
+}
+
+void TissueOperator::apply_stiffness(Vec x, Vec y) const {
+  if (kept_ == Stiffness::matrix) {
+    check(MatMult(stiffness_.get(), x, y));
+    return;
+  }
+  const auto all = gather_all(x);
+  Entries product(y);
+  for (int row = first_dof(); row < end_dof(); ++row) {
+    double sum = 0;
+    along_row(row, [&](int column, double value) {
+      sum += value * all[static_cast<std::size_t>(column)];
+    });
+    product[row] = sum;
   }
 }
 

@@ -2,8 +2,6 @@
 
 #include "stylet/base/errors.hpp"
 
-#include <mpi.h>
-
 #include <new>
 #include <string>
 
@@ -38,15 +36,6 @@ void check(PetscErrorCode code, const char* file, int line) {
   const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_MISSING_FACTOR ||
                         code == PETSC_ERR_USER || code == PETSC_ERR_USER_INPUT;
   throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
-}
-
-void check_mpi(int code, const char* file, int line) {
-  if (code == MPI_SUCCESS) return;
-  char text[MPI_MAX_ERROR_STRING];
-  int length = 0;
-  MPI_Error_string(code, text, &length);
-  throw Error(ExitCode::other, "MPI: " + std::string(text, static_cast<std::size_t>(length)) +
-                                   " (" + file + ":" + std::to_string(line) + ")");
 }
 
 }  // namespace stylet

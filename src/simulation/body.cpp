@@ -49,9 +49,13 @@ Body::Body(MPI_Comm comm, const Scene& scene)
     : scene_(scene),
       numbered_(checked_mesh(comm, scene)),
       conditions_(scene, mesh()),
-      tissue_(make_tissue(comm, scene, numbered_)),
-      ledger_(*tissue_, mesh(), scene.time, scene.tissue.thickness),
+      tissue_(make_tissue(
+          comm,
+          scene,
+          numbered_,
+          scene.time.method == TimeMethod::explicit_newmark ? Stiffness::rows : Stiffness::matrix)),
       integrator_(make_integrator(*tissue_, mesh(), scene.time)),
+      ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.thickness),
       held_(conditions_.prescribed(0)) {
   if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty()) {
     check_held(scene, mesh(), held_);
@@ -259,7 +263,7 @@ Trial Body::finish(bool whole) {
 // Work of the forces on prescribed curves in a step that is about to be accepted (J).
 double Body::prescribed_work(const Trial& trial) const {
   double work = 0;
-  const double end = ledger_.end_weight(trial);
+  const double end = trial.end_weight;
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
       const Vec vectors[4] = {reaction_.get(), trial.working.reaction, state_.u.get(), trial.u};

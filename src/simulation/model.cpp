@@ -190,7 +190,8 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
 
 std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
                                             const Scene& scene,
-                                            const NumberedMesh& numbered) {
+                                            const NumberedMesh& numbered,
+                                            Stiffness kept) {
   const Mesh& mesh = numbered.mesh;
   std::function<bool(int)> needs_flips;
   if (!scene.needles.empty()) {
@@ -208,7 +209,7 @@ std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
     };
   }
   return std::make_unique<TissueOperator>(comm, mesh, numbered.first_node, scene.tissue,
-                                          needs_flips);
+                                          needs_flips, kept);
 }
 
 std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& region) {

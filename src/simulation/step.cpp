@@ -85,7 +85,7 @@ SubStep take_step(Body& body, Hand& hand, Needle* needle, double longest) {
   if (active != nullptr) {
     const TrackOperator& track = active->track_operator();
     result.needle = active->commit(body.view(track, loaded), body.view(track, loaded, trial),
-                                   multiplier(trial), body.ledger().end_weight(trial));
+                                   multiplier(trial), trial.end_weight);
   } else if (needle != nullptr) {
     needle->move_free(step);
   }

@@ -132,7 +132,7 @@ void NearField::grow(std::span<const int> coordinates) {
   if (info == 0) LAPACKpotri_("L", &bm, t.data(), &bm, &info);
   int failed = info != 0 ? 1 : 0;
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm_));
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm_);
   }
   if (failed != 0) {
     throw NumericalError(
@@ -198,8 +198,7 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
     ++r;
   }
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, e.data(), static_cast<int>(e.size()), MPI_DOUBLE, MPI_SUM,
-                            comm_));
+    MPI_Allreduce(MPI_IN_PLACE, e.data(), static_cast<int>(e.size()), MPI_DOUBLE, MPI_SUM, comm_);
   }
   const std::size_t n = size();
   for (std::size_t i = 0; i < m; ++i) {
@@ -298,7 +297,7 @@ NearField::Solution NearField::solve(std::span<const double> extra,
   packed.back() = failure ? 1 : 0;
   std::ranges::copy(solution.x, packed.begin() + 1);
   std::ranges::copy(solution.reaction, packed.begin() + 1 + static_cast<std::ptrdiff_t>(n));
-  check_mpi(MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_));
+  MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_);
   if (packed.back() != 0) {
     if (rank_of(comm_) != 0) failure.reset();
     agree(comm_, failure);

@@ -60,13 +60,13 @@ void widen_smoother(PC pc) {
 
 SolverKind kind_for(MPI_Comm comm, PetscInt n_dofs) {
   MPI_Comm machine = MPI_COMM_NULL;
-  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   const double memory =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   int kind = static_cast<int>(solver_for(n_dofs, size_of(comm), size_of(machine), memory));
-  check_mpi(MPI_Comm_free(&machine));
+  MPI_Comm_free(&machine);
   // The machine with the least room decides.
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm));
+  MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm);
   return static_cast<SolverKind>(kind);
 }
 

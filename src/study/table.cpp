@@ -1,6 +1,7 @@
 #include "stylet/study/table.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/output/csv.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
@@ -46,21 +47,6 @@ std::size_t Table::column(const std::string& name) const {
   const auto found = std::ranges::find(columns, name);
   if (found == columns.end()) throw InputError("the table has no column '" + name + "'");
   return static_cast<std::size_t>(found - columns.begin());
-}
-
-std::string csv_line(std::span<const std::string> fields) {
-  std::string line;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (i > 0) line += ',';
-    if (fields[i].find_first_of(",\"\n") == std::string::npos) {
-      line += fields[i];
-      continue;
-    }
-    line += '"';
-    for (const char c : fields[i]) line.append(c == '"' ? 2 : 1, c);
-    line += '"';
-  }
-  return line + '\n';
 }
 
 Table read_csv(const std::string& path, const std::string& text) {

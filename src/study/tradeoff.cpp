@@ -6,7 +6,6 @@
 #include "stylet/output/progress.hpp"
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
-#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/study/study_run.hpp"
@@ -213,7 +212,7 @@ class Study {
           stop_if_hopeless(i, simulation.counts().sub_steps);
         });
         // All ranks decide by the same clock.
-        check_mpi(MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_));
+        MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_);
         times.push_back(run.seconds);
         total += run.seconds;
         if (!run.error.empty()) break;

@@ -61,6 +61,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
     return damped_steps_ > 0 ? half_ : CondensedIntegrator::stable_step();
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
+  [[nodiscard]] EnergyRules energy_rules() const override;
 
  private:
   /// Of the speed of given motion: less does not begin.
@@ -75,6 +76,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   void prepare();
   [[nodiscard]] bool needle_begins(const ConstraintSet& constraints);
   [[nodiscard]] bool damps_at_once() const { return k_.c0 == 0; }  ///< backward Euler in this step
+  [[nodiscard]] double end_weight() const { return damps_at_once() ? 1 : 0.5; }
   [[nodiscard]] bool keeps_products() const { return scheme_.c0 == 0; }  ///< backward Euler in all
   [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
   Trial attempt_near(const ConstraintSet& constraints);

@@ -12,9 +12,6 @@ namespace stylet {
 /// Error with PETSc's text and the place of the call.
 void check(PetscErrorCode code, const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
-/// Throws if an MPI call failed.
-void check_mpi(int code, const char* file = __builtin_FILE(), int line = __builtin_LINE());
-
 void store_exception(std::exception_ptr exception);
 
 /// Runs the body of a callback that PETSc calls. What it throws is kept and thrown again by the

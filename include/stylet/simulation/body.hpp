@@ -118,8 +118,8 @@ class Body {
   NumberedMesh numbered_;
   Conditions conditions_;
   std::unique_ptr<TissueOperator> tissue_;
-  EnergyLedger ledger_;
   std::unique_ptr<TimeIntegrator> integrator_;
+  EnergyLedger ledger_;
   State state_;
   std::vector<PrescribedDof> held_;
   std::vector<EmbeddedPoint> riders_;

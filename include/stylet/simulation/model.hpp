@@ -45,7 +45,8 @@ void check_step(const Scene& scene, const Mesh& mesh, double step);
 /// Collective. Nodes near a needle's axis get room for edge flips.
 [[nodiscard]] std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
                                                           const Scene& scene,
-                                                          const NumberedMesh& numbered);
+                                                          const NumberedMesh& numbered,
+                                                          Stiffness kept = Stiffness::matrix);
 
 /// The outer outline of a region as closed polygon of mesh points, counter-clockwise; holes in it,
 /// such as another region inside, are left out. Throws InputError if it is not one closed curve.

@@ -20,9 +20,6 @@ struct Table {
   [[nodiscard]] std::size_t column(const std::string& name) const;
 };
 
-/// One line of CSV (RFC 4180); a field with commas, quotes or line ends is quoted.
-[[nodiscard]] std::string csv_line(std::span<const std::string> fields);
-
 /// A line that the writer did not finish, at the end, is left out. Throws InputError for rows that
 /// have not as many fields as the header.
 [[nodiscard]] Table read_csv(const std::string& path, const std::string& text);

@@ -1,6 +1,7 @@
 #include "stylet/study/table.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/output/csv.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
