@@ -54,8 +54,8 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   check(TSSetMaxTime(ts_.get(), PETSC_MAX_REAL));
   check(TSSetExactFinalTime(ts_.get(), TS_EXACTFINALTIME_STEPOVER));
   set_step(ts_.get(), [this](double h, Vec u, Vec v) { advance(h, u, v); });
-  check(TSSetFromOptions(ts_.get()));
-  check(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
+  check_options(TSSetFromOptions(ts_.get()));
+  check_options(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
 }
 
 // With the kernel's ghosts.

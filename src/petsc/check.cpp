@@ -1,7 +1,11 @@
 #include "stylet/petsc/check.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/petsc/session.hpp"
 
+#include <algorithm>
+#include <array>
 #include <new>
 #include <string>
 
@@ -36,6 +40,20 @@ void check(PetscErrorCode code, const char* file, int line) {
   const bool is_input = code == PETSC_ERR_ARG_UNKNOWN_TYPE || code == PETSC_ERR_MISSING_FACTOR ||
                         code == PETSC_ERR_USER || code == PETSC_ERR_USER_INPUT;
   throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
+}
+
+void check_options(PetscErrorCode code, const char* file, int line) {
+  constexpr std::array arguments{PETSC_ERR_SUP, PETSC_ERR_ARG_SIZ, PETSC_ERR_ARG_WRONG,
+                                 PETSC_ERR_ARG_OUTOFRANGE, PETSC_ERR_ARG_INCOMP};
+  const auto& given = solver_options();
+  const bool blames_them =
+      !given.empty() && !pending() && std::ranges::find(arguments, code) != arguments.end();
+  try {
+    check(code, file, line);
+  } catch (const Error& error) {
+    if (!blames_them) throw;
+    throw InputError("PETSc options " + join(given) + ": " + error.what());
+  }
 }
 
 }  // namespace stylet

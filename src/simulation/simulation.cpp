@@ -3,6 +3,8 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/scene/check.hpp"
+#include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 
 #include <algorithm>
@@ -14,15 +16,14 @@ namespace {
 
 std::vector<EmbeddedPoint> embedded_in(const Mesh& mesh,
                                        std::span<const ReferencePoint> points,
-                                       const Rotation& rotation) {
+                                       const Scene& scene) {
   std::vector<EmbeddedPoint> embedded;
   int hint = 0;
   for (const auto& x : points) {
     const auto found = locate(mesh, x, hint);
     if (!found) {
-      const auto written = rotation.to_scene(x);
-      throw InputError("membrane.polygon: a vertex lies outside the tissue: (" +
-                       ten_digits(written.x) + ", " + ten_digits(written.y) + ") m");
+      refuse_key(scene, "membrane.polygon",
+                 "a vertex lies outside the tissue: " + point_text(scene, x));
     }
     embedded.push_back(*found);
     hint = found->cell;
@@ -41,19 +42,27 @@ double extent_of(const Mesh& mesh) {
   return last - first;
 }
 
+// Of a file it has been checked when it was read, and has the document that it was read from.
+Scene checked(Scene scene) {
+  if (scene.document.kind == Node::Kind::null) check(scene);
+  if (scene.file.empty()) scene.file = scene_in_code;
+  return scene;
+}
+
 }  // namespace
 
 Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand)
-    : scene_(in_needle_frame(std::move(scene))),
+    : scene_(in_needle_frame(checked(std::move(scene)))),
       body_(comm, scene_),
       hand_(std::move(hand)),
+      has_schedule_(!hand_),
       track_energy_(track_energy),
       expected_time_(expected_time(scene_, mesh())) {
   if (!hand_) hand_ = std::make_unique<Schedule>(scene_, extent_of(mesh()));
   if (scene_.membrane) {
     auto& polygon = scene_.membrane->polygon;
     if (polygon.empty()) polygon = region_outline(mesh(), scene_.membrane->region);
-    membrane_ = body_.embed(embedded_in(mesh(), polygon, rotation()));
+    membrane_ = body_.embed(embedded_in(mesh(), polygon, scene_));
   }
   std::vector<EmbeddedPoint> probes;
   for (const auto& probe : scene_.probes) probes.push_back(*locate(mesh(), probe.point));
@@ -66,8 +75,20 @@ StepRecord Simulation::step() {
   try {
     return step_unguarded();
   } catch (const NumericalError& error) {
-    throw NumericalError("at t = " + exact(time()) + " s: " + error.what());
+    throw NumericalError("at t = " + ten_digits(time()) + " s: " + error.what() + held_points());
   }
+}
+
+// Held points beside the needle are what it cannot push away: the likely cause of a step that fails.
+std::string Simulation::held_points() const {
+  if (!needle_ || needle_->track().empty() || needle_->released()) return {};
+  std::vector<int> nodes = needle_->watched();
+  const auto loaded = needle_->loaded_nodes();
+  nodes.insert(nodes.end(), loaded.begin(), loaded.end());
+  const std::string points = held_points_text(scene_, mesh(), body_.held(), nodes);
+  return points.empty() ? points
+                        : "; needle '" + needle_->parameters().name +
+                              "' meets points that it cannot move: " + points;
 }
 
 StepRecord Simulation::step_unguarded() {
@@ -150,6 +171,7 @@ void Simulation::act_without_time() {
 }
 
 void Simulation::enter(const NeedleParameters& parameters) {
+  if (!has_schedule_) check_needle(scene_, parameters);
   EarlierCuts earlier;
   if (needle_) {
     if (!needle_->released()) {

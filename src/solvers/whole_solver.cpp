@@ -136,7 +136,7 @@ void WholeSolver::configure() {
   // PETSc reads tolerances for iterative solvers only, so their type comes first.
   if (!is_direct(value_of("-pc_type").value_or(before))) check(KSPSetType(ksp_.get(), KSPCG));
   check(KSPSetOperators(ksp_.get(), a_, a_));
-  check(KSPSetFromOptions(ksp_.get()));
+  check_options(KSPSetFromOptions(ksp_.get()));
   const std::string after = type_of(pc);
   const std::string ksp = type_of(ksp_.get());
   // The residual that stands in the near field's equations, not one that a PC has scaled.
@@ -145,10 +145,10 @@ void WholeSolver::configure() {
   }
   widen_smoother(pc);
   PetscReal wanted = tolerance;
-  check(PetscOptionsGetReal(nullptr, nullptr, "-ksp_rtol", &wanted, nullptr));
-  if (!(wanted <= largest_tolerance)) {
+  check_options(PetscOptionsGetReal(nullptr, nullptr, "-ksp_rtol", &wanted, nullptr));
+  if (!(wanted > 0 && wanted <= largest_tolerance)) {
     throw InputError(
-        "PETSc option -ksp_rtol: allowed: at most 1e-8, so that displacements can be "
+        "PETSc option -ksp_rtol: allowed: above 0 and at most 1e-8, so that displacements can be "
         "relied on");
   }
   direct_ = ksp == KSPPREONLY;
@@ -169,7 +169,7 @@ void WholeSolver::factor(Mat a) {
   } else {
     configure();
   }
-  check(KSPSetUp(ksp_.get()));
+  check_options(KSPSetUp(ksp_.get()));
   PC pc = nullptr;
   PCFailedReason reason = PC_NOERROR;
   check(KSPGetPC(ksp_.get(), &pc));

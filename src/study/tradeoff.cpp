@@ -8,6 +8,7 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/loader.hpp"
+#include "stylet/study/levels.hpp"
 #include "stylet/study/study_run.hpp"
 
 #include <algorithm>
@@ -76,6 +77,8 @@ class Study {
     if (options.mesh_levels < 1 || options.step_levels < 1 || options.repeats < 1) {
       throw InputError("tradeoff: --mesh-levels, --step-levels and --repeats: allowed: 1 or more");
     }
+    require_levels(comm, "tradeoff", scene, scene.mesh.refine + double(options.mesh_levels),
+                   scene.time.step / 2, scene.time.step * std::pow(2.0, options.step_levels - 1));
     meshes_ = mesh_files(comm, std::span(&scene, 1));
     const bool has_shortcut = allows("time.until=implanted");
     for (const Way& way : ways(has_shortcut)) {
