@@ -18,7 +18,7 @@ constexpr off_t root_at = 64;  ///< address of the root's header, then what is c
 constexpr std::size_t address_bytes = 8;
 using RootEntry = std::array<unsigned char, address_bytes + 4>;  // 0: nothing is cached
 
-Hdf5Id create(const std::string& path) {
+Hdf5Id open_file(const std::string& path, CommittedFile::Open how) {
   check_hdf5(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), path);  // errors are ours to report
   const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, path);
   check_hdf5(H5Pset_libver_bounds(access.get(), H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST), path);
@@ -27,6 +27,9 @@ Hdf5Id create(const std::string& path) {
   constexpr hsize_t metadata_block = 32768;
   check_hdf5(H5Pset_sieve_buf_size(access.get(), 0), path);
   check_hdf5(H5Pset_meta_block_size(access.get(), metadata_block), path);
+  if (how == CommittedFile::Open::go_on) {
+    return {H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, path};
+  }
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose,
           path + ": cannot be created"};
 }
@@ -44,11 +47,12 @@ RootEntry entry_of(hid_t group) {
 
 }  // namespace
 
-CommittedFile::CommittedFile(std::string path)
+CommittedFile::CommittedFile(std::string path, Open how)
     : path_(std::move(path)),
-      file_(create(path_)),
+      file_(open_file(path_, how)),
       root_(H5Gopen2(file_.get(), "/", H5P_DEFAULT), H5Gclose, path_),
       twin_(H5Gcreate_anon(file_.get(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose, path_) {
+  if (how == Open::go_on) link_as_root(twin_.get());
   flush();
   descriptor_ = ::open(path_.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0) throw_io_error(path_, "cannot be opened");
@@ -80,6 +84,18 @@ void CommittedFile::commit() {
   flush();
   name_root(root_.get());
   pending_.clear();
+}
+
+void CommittedFile::link_as_root(hid_t twin) const {
+  H5G_info_t info{};
+  check_hdf5(H5Gget_info(root_.get(), &info), path_);
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    char name[64] = "";
+    check_hdf5(static_cast<herr_t>(H5Lget_name_by_idx(root_.get(), ".", H5_INDEX_NAME, H5_ITER_INC,
+                                                      i, name, sizeof name, H5P_DEFAULT)),
+               path_);
+    check_hdf5(H5Lcreate_hard(root_.get(), name, twin, name, H5P_DEFAULT, H5P_DEFAULT), path_);
+  }
 }
 
 void CommittedFile::link_pending(hid_t root) {

@@ -43,11 +43,9 @@ Hdf5Id write(hid_t parent,
   const std::array<hsize_t, 2> extent = {n_values / static_cast<hsize_t>(columns),
                                          static_cast<hsize_t>(columns)};
   const Hdf5Id space(H5Screate_simple(columns > 1 ? 2 : 1, extent.data(), nullptr), H5Sclose, name);
-  const Hdf5Id plist(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
-  check_hdf5(H5Pset_fill_time(plist.get(), H5D_FILL_TIME_NEVER), name);
-  check_hdf5(H5Pset_obj_track_times(plist.get(), false), name);
+  // With the default properties nothing is filled in before, and HDF5 copies none.
   Hdf5Id dataset(
-      H5Dcreate2(parent, name.c_str(), type, space.get(), H5P_DEFAULT, plist.get(), H5P_DEFAULT),
+      H5Dcreate2(parent, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Dclose, name);
   set_attribute(dataset.get(), "unit", unit);
   check_hdf5(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), name);

@@ -74,8 +74,8 @@ class Block {
     static_cast<void>(body_.state());  // its energy is not the whole tissue's
     const bool is_explicit = body_.decides_by_velocity();
     PetscScalar value = 0;
-    body_.tissue().along_row(dof_, [&](int column, double entry) {
-      if (column == dof_) k_ = entry;
+    body_.tissue().along_row(dof_, [&](int column, double stiffness) {
+      if (column == dof_) k_ = stiffness;
     });
     if (is_explicit) {
       m_ = gather_all(body_.tissue().lumped_mass())[static_cast<std::size_t>(dof_)];

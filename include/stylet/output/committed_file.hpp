@@ -18,17 +18,19 @@ namespace stylet {
 /// Every failure throws an IoError with HDF5's reason. One process owns it.
 class CommittedFile {
  public:
-  /// A new file; replaces an old one. Others may read it at any time.
-  explicit CommittedFile(std::string path);
+  /// anew: replaces an old file. go_on: with one that this class wrote. Others may read it at any time.
+  enum class Open { anew, go_on };
+  explicit CommittedFile(std::string path, Open how = Open::anew);
   CommittedFile(const CommittedFile&) = delete;
   CommittedFile& operator=(const CommittedFile&) = delete;
   ~CommittedFile();
 
-  /// Of the root; before the first commit.
+  /// Of the root, where it has none of this name; before the first commit.
   template <class Value>
   void set_root_attribute(const std::string& name, const Value& value) {
-    set_attribute(root_.get(), name, value);
-    set_attribute(twin_.get(), name, value);
+    for (const hid_t root : {root_.get(), twin_.get()}) {
+      if (H5Aexists(root, name.c_str()) <= 0) set_attribute(root, name, value);
+    }
   }
   /// A group of the root, which nobody sees before `commit`; lent until then.
   [[nodiscard]] hid_t create_group(const std::string& name);
@@ -37,6 +39,7 @@ class CommittedFile {
   void close();
 
  private:
+  void link_as_root(hid_t twin) const;
   void link_pending(hid_t root);
   void flush();
   void name_root(hid_t root);

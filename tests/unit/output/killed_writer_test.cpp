@@ -1,5 +1,6 @@
 // What a killed program leaves: snapshots.h5 as it is before and after every write, and where the system
 // stops within one, at the end of a page.
+#include "stylet/output/committed_file.hpp"
 #include "stylet/output/hdf5.hpp"
 #include "stylet/output/snapshots.hpp"
 
@@ -136,6 +137,27 @@ TEST_F(KilledWriter, LeavesEverySnapshotThatItReported) {
     EXPECT_GE(n_steps, states[i].reported);
     EXPECT_LE(n_steps, states[i].reported + 1);
   }
+}
+
+TEST_F(KilledWriter, CanBeGoneOnWith) {
+  const std::string file = path("file.h5");
+  const auto add = [&](CommittedFile::Open how, const std::string& name, bool closes) {
+    CommittedFile h5(file, how);
+    h5.set_root_attribute("format", 1ULL);
+    (void)write_array(h5.create_group(name), "x", "m", 1, std::vector<double>{1, 2});
+    h5.commit();
+    std::filesystem::copy_file(file, path(name + ".h5"));
+    if (closes) h5.close();
+  };
+  add(CommittedFile::Open::anew, "first", true);
+  add(CommittedFile::Open::go_on, "second", false);
+  add(CommittedFile::Open::go_on, "third", true);
+  const std::string copy = path("third.h5");
+  const Hdf5Id h5(H5Fopen(copy.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, copy);
+  for (const char* name : {"first", "second", "third"}) {
+    EXPECT_EQ(first_of(h5.get(), std::string(name) + "/x", H5T_NATIVE_DOUBLE, 2), 1) << name;
+  }
+  EXPECT_GT(H5Aexists(h5.get(), "format"), 0);
 }
 
 }  // namespace
