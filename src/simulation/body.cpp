@@ -80,9 +80,11 @@ State& Body::state() {
 ConstraintSet Body::beside_held(const TrackConditions& conditions,
                                 const TrackOperator& track) const {
   ConstraintSet constraints = bind(conditions, track, tissue_->n_dofs());
-  std::erase_if(constraints.dofs, [&](const PrescribedDof& c) {
+  const auto is_held = [&](const auto& c) {
     return std::ranges::binary_search(held_, c.dof, {}, &PrescribedDof::dof);
-  });
+  };
+  std::erase_if(constraints.dofs, is_held);
+  std::erase_if(constraints.dashpots, is_held);
   return constraints;
 }
 

@@ -94,6 +94,7 @@ ConstraintSet homogeneous(ConstraintSet constraints) {
   for (auto& dof : constraints.dofs) dof = {dof.dof, 0.0};
   if (constraints.mean) constraints.mean->value = constraints.mean->rate = 0;
   constraints.forces.clear();
+  constraints.dashpots.clear();
   return constraints;
 }
 
