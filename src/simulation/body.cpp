@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 namespace stylet {
@@ -214,7 +215,11 @@ TrackTrial Body::view(const TrackOperator& track,
 }
 
 void Body::watch(const TrackOperator& track, std::span<const int> points) {
-  integrator_->watch(coordinates_of(track, points, tissue_->n_dofs()));
+  const auto coordinates = coordinates_of(track, points, tissue_->n_dofs());
+  if (!coordinates.empty() && coordinates.back() >= tissue_->n_dofs()) {
+    throw std::logic_error("integrators take points of single dofs, no rows yet");
+  }
+  integrator_->watch(coordinates);
 }
 
 void Body::start() {
