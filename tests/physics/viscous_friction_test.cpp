@@ -18,7 +18,7 @@ const std::string rigid = R"(
 mesh: {rectangle: {size: [8 cm, 6 cm], columns: 16, rows: 12}}
 tissue:
   plane: stress
-  regions: {tissue: {youngs_modulus: 6e11 Pa, poisson_ratio: 0.3, density: 1000 kg/m^3}}
+  regions: {tissue: {youngs_modulus: 6e13 Pa, poisson_ratio: 0.3, density: 1000 kg/m^3}}
 supports: {left: fixed, top: fixed, bottom: fixed}
 needles:
   - height: 3.1 cm
@@ -48,8 +48,8 @@ void expect_closed_form(const std::vector<std::string>& overrides) {
     const double in = speed > 0 ? needle.path_length() : start - needle.skin();
     const double per_metre = std::copysign(kinetic, speed) + viscous * speed;
     const double friction = per_metre * std::max(0.0, in - tip_length);
-    // Of 10 N; the tissue moves by nanometres in a step.
-    constexpr double tolerance = 1e-5;
+    // A cut stops within 1e-4 of the needle's way in a step, 1 mm at most; times 230 N/m, of 10 N.
+    constexpr double tolerance = 3e-5;
     EXPECT_NEAR(record.needle.forces.friction, friction, tolerance) << needle.tip() - needle.skin();
     ++(speed > 0 ? n_in : n_out);
     const auto force =
