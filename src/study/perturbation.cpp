@@ -54,7 +54,7 @@ class ExplicitTrial {
     const double bound = grown * speed_of(velocities_);
     for (int n = 1; n <= most_steps; ++n) {
       integrator_.begin(state_, load_.get(), h, held_.dofs);
-      integrator_.attempt({{}, held_.mean, held_.forces}, false);
+      integrator_.attempt({{}, held_.mean, held_.forces, held_.dashpots}, false);
       integrator_.accept();
       if (n % steps_a_look == 0 && !(speed_of(state_.v.get()) <= bound)) return true;
     }
