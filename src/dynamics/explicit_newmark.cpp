@@ -328,28 +328,43 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
     blow_work_ += 0.25 * h_ * given * (before - after);
     change(c.dof, given, 0);
   }
+  // The force at the end of the step of the velocity that it leaves.
+  const auto damping = [&](int dof) {
+    const auto found = std::ranges::find(constraints.dashpots, dof, &Dashpot::dof);
+    return found == constraints.dashpots.end() ? 0.0 : found->coefficient;
+  };
+  for (const auto& [dof, coefficient, speed] : constraints.dashpots) {
+    if (!v.owns(dof)) continue;
+    const double inertia = mass[dof] * damped;
+    const double force = coefficient * (speed - v[dof]) * inertia / (inertia + half * coefficient);
+    change(dof, v[dof] + half * force / inertia, a[dof] + force / inertia);
+  }
   trial_contact_ = constraints.forces;
   Multipliers multipliers;
   if (constraints.mean) {
     const auto& mean = *constraints.mean;
     const auto mobility = [&](int dof) {
-      return is_given(dof, constraints.dofs) ? 0.0 : 1 / (mass[dof] * damped);
+      if (is_given(dof, constraints.dofs)) return 0.0;
+      return 1 / (mass[dof] * damped + half * damping(dof));
     };
-    double sums[4] = {0, 0, 0, 0};  // w.u, w.v, w.a, w.M^-1 w
+    const auto ratio = [&](int dof) { return half * damping(dof) / (mass[dof] * damped); };
+    double sums[5] = {0, 0, 0, 0, 0};  // w.u, w.v, w.a, w.M^-1 w, and of it what dashpots add
     for (const auto& [dof, weight] : mean.weights) {
       if (!v.owns(dof)) continue;
       sums[0] += weight * u[dof];
       sums[1] += weight * v[dof];
       sums[2] += weight * a[dof];
       sums[3] += weight * weight * mobility(dof);
+      sums[4] += weight * weight * mobility(dof) * ratio(dof);
     }
     if (size_of(tissue_.comm()) > 1) {
-      MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm());
+      MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, tissue_.comm());
     }
     if (!(sums[3] > 0)) throw_all_held();
-    const double steady = -sums[2] / sums[3];
     const double wanted = mean.rate + (mean.by_rate ? 0 : (mean.value - sums[0]) / h_);
     const double impulse = (wanted - sums[1]) / sums[3];
+    // Of w.a = 0 just after it, when dashpots pull with their new force.
+    const double steady = (impulse * sums[4] / half - sums[2]) / (sums[3] + sums[4]);
     multipliers.before = 2 * impulse / h_;
     multipliers.after = (steady + damping_.mass_factor * impulse) / damped;
     const auto [before, after] = multipliers;
@@ -363,10 +378,14 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
         settled[dof] -= after * weight;
         continue;
       }
+      const double more = ratio(dof) * (steady - impulse / half);
       change(dof, v[dof] + impulse * weight * mobility(dof),
-             a[dof] + steady * weight * mobility(dof));
+             a[dof] + (steady + more) * weight * mobility(dof));
       blow_work_ += 0.25 * h_ * v[dof] * weight * (before - after);
     }
+  }
+  for (const auto& [dof, coefficient, speed] : constraints.dashpots) {
+    if (v.owns(dof)) trial_contact_.push_back({dof, coefficient * (speed - v[dof])});
   }
   std::ranges::reverse(overridden_);
   return multipliers;

@@ -152,6 +152,8 @@ TrackConditions Needle::conditions() const {
     } else {
       set.forces.push_back(
           {along, shaft.slip_sign * sliding_force(*parameters_.friction, friction[i])});
+      const double viscous = viscous_coefficient(*parameters_.friction, friction[i]);
+      if (viscous > 0) set.dashpots.push_back({along, viscous, step_.speed()});
     }
   }
   if (tip_ == TipContact::open) return set;

@@ -36,18 +36,23 @@ Codec<CuttingParameters> cutting() {
 
 Codec<FrictionParameters> friction() {
   using F = FrictionParameters;
-  return block<F>({field("static_force", &F::static_force, number("N/m", not_negative),
-                         "Per metre of shaft, largest force that holds.")
-                       .required(),
-                   field("kinetic_force", &F::kinetic_force, number("N/m", not_negative),
-                         "Per metre of shaft, while tissue slides.")
-                       .required(),
-                   field("stick_speed", &F::stick_speed, number("m/s", not_negative),
-                         "Tissue that slides more slowly sticks again.")
-                       .required(),
-                   field("slip_speed", &F::slip_speed, number("m/s", positive),
-                         "Tissue that slides faster is sliding; above stick_speed.")
-                       .required()});
+  return block<F>(
+      {field("static_force", &F::static_force, number("N/m", not_negative),
+             "Per metre of shaft, largest force that holds.")
+           .required(),
+       field("kinetic_force", &F::kinetic_force, number("N/m", not_negative),
+             "Per metre of shaft, while tissue slides.")
+           .required(),
+       field("stick_speed", &F::stick_speed, number("m/s", not_negative),
+             "Tissue that slides more slowly sticks again.")
+           .required(),
+       field("slip_speed", &F::slip_speed, number("m/s", positive),
+             "Tissue that slides faster is sliding; above stick_speed.")
+           .required(),
+       field("viscous_coefficient", &F::viscous_coefficient, number("N s/m^2", not_negative),
+             "Per metre of shaft, what the force of sliding tissue grows by with its "
+             "speed.")
+           .written_if([](const F& f) { return f.viscous_coefficient > 0; })});
 }
 
 struct ActionEntry {

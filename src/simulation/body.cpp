@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 namespace stylet {
@@ -84,9 +85,11 @@ State& Body::state() {
 ConstraintSet Body::beside_held(const TrackConditions& conditions,
                                 const TrackOperator& track) const {
   ConstraintSet constraints = bind(conditions, track, tissue_->n_dofs());
-  std::erase_if(constraints.dofs, [&](const PrescribedDof& c) {
+  const auto is_held = [&](const auto& c) {
     return std::ranges::binary_search(held_, c.dof, {}, &PrescribedDof::dof);
-  });
+  };
+  std::erase_if(constraints.dofs, is_held);
+  std::erase_if(constraints.dashpots, is_held);
   return constraints;
 }
 
@@ -216,7 +219,11 @@ TrackTrial Body::view(const TrackOperator& track,
 }
 
 void Body::watch(const TrackOperator& track, std::span<const int> points) {
-  integrator_->watch(coordinates_of(track, points, tissue_->n_dofs()));
+  const auto coordinates = coordinates_of(track, points, tissue_->n_dofs());
+  if (!coordinates.empty() && coordinates.back() >= tissue_->n_dofs()) {
+    throw std::logic_error("integrators take points of single dofs, no rows yet");
+  }
+  integrator_->watch(coordinates);
 }
 
 void Body::start() {

@@ -21,6 +21,10 @@ ConstraintSet bind(const TrackConditions& conditions, const TrackOperator& track
     const auto [index, sign] = find_coordinate(track, place, n_dofs);
     set.forces.push_back({index, sign * force});
   }
+  for (const auto& [place, coefficient, speed] : conditions.dashpots) {
+    const auto [index, sign] = find_coordinate(track, place, n_dofs);
+    set.dashpots.push_back({index, coefficient, sign * speed});
+  }
   if (!conditions.mean) return set;
   auto& mean = set.mean.emplace();
   mean.value = conditions.mean->value;

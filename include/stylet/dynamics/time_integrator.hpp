@@ -129,7 +129,7 @@ inline void take_step(TimeIntegrator& integrator,
                       const ConstraintSet& constraints) {
   const auto attempt = [&](double length) {
     integrator.begin(state, load, length, constraints.dofs);
-    integrator.attempt({{}, constraints.mean, constraints.forces}, false);
+    integrator.attempt({{}, constraints.mean, constraints.forces, constraints.dashpots}, false);
   };
   const auto accept = [&] {
     integrator.finish(true);

@@ -47,7 +47,8 @@ needles:
     height: 3.3 cm
     cutting: {law: increment, cutting_force: 1.7 N, sharpness: 0.7, stiffness_share: 0.3,
               reference_youngs_modulus: 60 kPa, tip_length: 6 mm, increment: 0.1 mm}
-    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s}
+    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s,
+               viscous_coefficient: 2.5 kN s/m^2}
     motion:
       - insert: {speed: 2 cm/s, depth: 4 cm}
       - implant: {target: b}
