@@ -37,4 +37,5 @@ set(config ${CMAKE_INSTALL_LIBDIR}/cmake/stylet)
 install(EXPORT styletTargets NAMESPACE stylet:: DESTINATION ${config})
 install(FILES jobs/cmake/styletConfig.cmake jobs/cmake/dependencies.cmake
         ${PROJECT_BINARY_DIR}/styletConfigVersion.cmake DESTINATION ${config})
-install(DIRECTORY include/stylet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN app EXCLUDE)
+install(DIRECTORY include/stylet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN app EXCLUDE
+        PATTERN view EXCLUDE)

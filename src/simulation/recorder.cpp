@@ -1,10 +1,9 @@
 #include "stylet/simulation/recorder.hpp"
 
-#include "stylet/fem/element.hpp"
-#include "stylet/fem/material.hpp"
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/cell_stress.hpp"
 #include "stylet/simulation/notes.hpp"
 
 #include <petscversion.h>
@@ -136,29 +135,14 @@ void add_cell_fields(const Simulation& simulation,
   Field energy{"strain_energy_density", true, 1, std::vector<double>(n), "J/m^3"};
   FlagField region{"region", true, std::vector<int>(n)};
   const Mesh& mesh = simulation.mesh();
-  const Rotation turn = simulation.rotation();
   for (std::size_t i = 0; i < n; ++i) {
     const int c = new_of_old_cell[static_cast<std::size_t>(rows.begin) + i];
-    const auto nodes = mesh.cell(c);
-    std::array<LinearSimplex<2>::Vector, 3> x{};
-    std::array<LinearSimplex<2>::Vector, 3> corners{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = 2 * static_cast<std::size_t>(nodes[k]);
-      const auto point = turn.to_scene(mesh.point(nodes[k]));
-      const Vector2 moved = turn.to_scene(Vector2{u[at], u[at + 1]});
-      x[k] = {point.x, point.y};
-      corners[k] = {moved.x, moved.y};
-    }
-    const LinearSimplex<2> element({x[0], x[1], x[2]});
-    const auto h = element.displacement_gradient(corners);
-    const double mu = simulation.tissue().moduli(c).mu;
-    const VolumetricState volume = simulation.tissue().volumetric(mesh, c, u);
-    const PlaneStress s = plane_stress(h, mu, volume.pressure, simulation.scene().tissue.plane);
+    const auto [s, pressure, energy_density] = stress_in(simulation, c, u);
     xx.values[i] = s.xx;
     yy.values[i] = s.yy;
     xy.values[i] = s.xy;
     mises.values[i] = s.von_mises();
-    energy.values[i] = volume.energy_density + shear_energy_density(h, mu);
+    energy.values[i] = energy_density;
     region.values[i] = mesh.region(c);
   }
   for (Field* field : {&xx, &yy, &xy, &mises, &energy})

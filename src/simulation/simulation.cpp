@@ -180,8 +180,13 @@ void Simulation::enter(const NeedleParameters& parameters) {
   hand_->entered(needle_->skin(), Axis::along(entry.x));
 }
 
+std::string Simulation::why_no_seed() const {
+  if (!needle_) return "a seed is to be left before a needle has entered";
+  return stylet::why_no_seed(*needle_, largest_tip_force_);
+}
+
 void Simulation::implant(const std::string& target) {
-  if (!needle_) throw NumericalError("a seed is to be left before a needle has entered");
+  if (!needle_) throw NumericalError(why_no_seed());
   const bool only = target.empty() && scene_.targets.size() == 1;
   seeds_.push_back(
       leave_seed(body_, *needle_, only ? scene_.targets[0].name : target, largest_tip_force_));

@@ -72,6 +72,8 @@ class Simulation {
   /// What holds the tissue now, with the contacts of the end of the last step.
   [[nodiscard]] ConstraintSet constraints() const;
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
+  /// Why no seed can be left now; empty if one can.
+  [[nodiscard]] std::string why_no_seed() const;
   /// Where a seed lies now, in the mesh as it is now.
   [[nodiscard]] const EmbeddedPoint& place_of(const Seed& seed) const {
     return body_.points(seed.place).front();

@@ -1,0 +1,119 @@
+// A procedure by hand: the simulation, what the hand wants of it, and how it goes back. Needs no
+// screen and no clock; one thread calls it.
+#pragma once
+
+#include "stylet/simulation/hand.hpp"
+#include "stylet/simulation/simulation.hpp"
+#include "stylet/view/approach.hpp"
+#include "stylet/view/frame.hpp"
+#include "stylet/view/scene_source.hpp"
+#include "stylet/view/trace.hpp"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace stylet {
+
+/// Where the hand holds the needle. Heights count while it is outside the tissue.
+struct Aim {
+  double height = 0;  ///< m, across
+  double tip = 0;     ///< m, along; it goes there as fast as it may
+};
+
+/// The tip moves at this speed until something else is wanted.
+struct Push {
+  double height = 0;
+  double speed = 0;  ///< m/s; positive pushes, negative pulls
+};
+
+class LiveRun {
+ public:
+  /// Collective. bands: of the placement error at rest, by target (m), where a study knows them. Throws
+  /// InputError where the scene cannot be run by hand.
+  LiveRun(MPI_Comm comm, SceneSource source, std::map<std::string, double> bands = {});
+
+  void want(const std::variant<Aim, Push>& wanted) { wanted_ = wanted; }
+  void limit_speed(double limit) { speed_limit_ = limit; }  ///< m/s
+  [[nodiscard]] double speed_limit() const { return speed_limit_; }
+  /// Leaves a seed before the next step; not where the tip has not cut its way in. target: of the seed;
+  /// empty: the nearest that has none.
+  void seed(const std::string& target = {});
+  /// Collective. The method of time stepping, as time.method; all begins anew.
+  void choose_method(const std::string& method);
+  /// Collective. A number that `changeable` lists, in SI, from the next step on.
+  void change(const std::string& key, double value);
+  /// Collective. Back to before the last seed was left or the last needle entered; also after an error.
+  /// False if there was none.
+  bool undo();
+  /// Collective.
+  void restart();
+
+  /// Collective. A step of the scene. Throws NumericalError; then only undo and restart go on.
+  void step();
+
+  [[nodiscard]] const Simulation& simulation() const { return *simulation_; }
+  /// As it was given.
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] double step_length() const { return scene_.time.step; }
+  [[nodiscard]] std::string method() const;
+  /// Something of the needle is in the tissue.
+  [[nodiscard]] bool in_tissue() const;
+  [[nodiscard]] double height() const { return height_; }  ///< of the needle, in or out (m)
+  [[nodiscard]] double tip() const;                        ///< of it, along (m)
+  [[nodiscard]] double skin() const { return approach_.skin; }
+  [[nodiscard]] double deepest() const { return approach_.deepest; }
+  [[nodiscard]] const StepRecord& last_step() const { return last_; }
+  [[nodiscard]] const std::string& notice() const { return notice_; }
+  [[nodiscard]] bool can_undo() const;
+  /// Counts undos and restarts: the needle is not where it was.
+  [[nodiscard]] int epoch() const { return epoch_; }
+  [[nodiscard]] const Trace& trace() const { return trace_; }
+  /// Of a seed that this target waits for (m); none: unknown.
+  [[nodiscard]] std::optional<double> band(const std::string& target) const;
+
+ private:
+  /// What was done before a step, for a replay. A number is the speed from then on (m/s).
+  using Act = std::variant<NeedleParameters, std::string, double>;
+  struct Done {
+    long step = 0;
+    Act act;
+  };
+
+  void build();
+  void guide();
+  void choose_height(double height);
+  void enter();
+  void record(Act act);
+  void obey(const Act& act);
+  void advance();
+  [[nodiscard]] NeedleParameters next_needle() const;
+  [[nodiscard]] std::string nearest_target() const;
+
+  MPI_Comm comm_;
+  SceneSource source_;
+  std::vector<std::string> method_overrides_;
+  std::map<std::string, double> bands_;
+  Scene scene_;
+  std::unique_ptr<Simulation> simulation_;
+  LiveHand* hand_ = nullptr;
+  std::variant<Aim, Push> wanted_;
+  double speed_limit_ = 0;
+  double height_ = 0;
+  double outside_ = 0;        ///< place of the tip of a needle that has not entered (m, along)
+  bool has_entered_ = false;  ///< the needle that is held
+  Approach approach_;
+  double speed_ = 0;
+  int n_entered_ = 0;
+  long n_steps_ = 0;
+  std::vector<Done> done_;
+  StepRecord last_;
+  Trace trace_;
+  std::string notice_;
+  int epoch_ = 0;
+};
+
+}  // namespace stylet

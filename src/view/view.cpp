@@ -1,0 +1,84 @@
+#include "stylet/view/view.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/session.hpp"
+#include "stylet/view/offscreen.hpp"
+
+#include <cstdio>
+#include <filesystem>
+
+namespace stylet {
+
+namespace {
+
+Picture stand_in(const LiveRun& run) {
+  // TODO
+  Picture picture;
+  picture.width = picture.height = 256;
+  picture.origin = {0, 0};
+  picture.size = {0.08, 0.06};
+  unsigned state = 1;
+  for (int i = 0; i < 256 * 256; ++i) {
+    state = 1664525 * state + 1013904223;
+    picture.bytes.push_back(static_cast<std::uint8_t>(60 + (state >> 25)));
+  }
+  (void)run;
+  return picture;
+}
+
+void play_script(MPI_Comm comm,
+                 const SceneSource& source,
+                 const std::map<std::string, double>& bands,
+                 const ViewOptions& options) {
+  const auto lines = read_script(options.script, read_on_all(comm, options.script));
+  LiveRun run(comm, source, bands);
+  std::error_code fault;
+  std::filesystem::create_directories(options.frames, fault);
+  if (fault) throw IoError(options.frames + ": " + fault.message());
+  const OffscreenContext context;
+  const OffscreenTarget target(options.size.width, options.size.height);
+  const Interface interface;
+  Display display(stand_in(run));
+  display.look.size = options.letters;
+  Player(run, display, options.frames, options.size).play(lines);
+}
+
+void open_window(MPI_Comm comm,
+                 const SceneSource& source,
+                 const std::map<std::string, double>& bands,
+                 const ViewOptions& options) {
+  const Picture picture = stand_in(LiveRun(comm, source, bands));
+  LiveSession session(comm, source, bands);
+  WindowOptions window;
+  window.title = "Stylet: " + source.file;
+  window.width = options.size.width;
+  window.height = options.size.height;
+  window.letters = options.letters;
+  if (options.seconds > 0) window.seconds = options.seconds;
+  const WindowReport report = show_window(session, picture, window);
+  if (options.seconds <= 0) return;
+  std::printf(
+      "%.1f frames a second, real-time factor %.3f, steps take %.1f %% of the time, "
+      "hand to picture %.1f ms\n",
+      static_cast<double>(report.frames) / report.seconds, report.real_time_factor,
+      100 * report.busy, 1e3 * report.delay);
+}
+
+}  // namespace
+
+void view(MPI_Comm comm,
+          const SceneSource& source,
+          const std::map<std::string, double>& bands,
+          const ViewOptions& options) {
+  if (size_of(comm) > 1) {
+    throw InputError("view: runs on one rank; allowed: stylet view SCENE without mpirun");
+  }
+  if (options.script.empty()) {
+    open_window(comm, source, bands, options);
+  } else {
+    play_script(comm, source, bands, options);
+  }
+}
+
+}  // namespace stylet
