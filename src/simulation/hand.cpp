@@ -6,6 +6,7 @@
 #include "stylet/needle/stops.hpp"
 #include "stylet/simulation/point_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -86,12 +87,28 @@ void LiveHand::enter(NeedleParameters needle) {
 }
 
 void LiveHand::move(double speed) {
+  speed = std::clamp(speed, -most_, most_);
   if (speed != speed_) ++ended_;
   speed_ = speed;
 }
 
 void LiveHand::implant(std::string target) {
   orders_.push_back({Wish::Kind::implant, {}, std::move(target)});
+}
+
+void LiveHand::change(std::string key, double value) {
+  orders_.push_back({Wish::Kind::change, {}, {}, std::move(key), value});
+}
+
+void LiveHand::limit_speed(double most) {
+  most_ = most;
+  move(speed_);
+}
+
+void LiveHand::hold_at(double tip) {
+  orders_.clear();
+  tip_ = tip;
+  move(0);
 }
 
 void LiveHand::finish() {
@@ -101,7 +118,8 @@ void LiveHand::finish() {
 Wish LiveHand::next() const {
   if (orders_.empty()) return {};
   const Ordered& first = orders_.front();
-  return {first.kind, first.kind == Wish::Kind::enter ? &first.needle : nullptr, first.target};
+  return {first.kind, first.kind == Wish::Kind::enter ? &first.needle : nullptr, first.target,
+          first.key, first.value};
 }
 
 NeedleStep LiveHand::step(double longest) {
@@ -115,6 +133,14 @@ void LiveHand::entered(double skin, double /*at_rest*/) {
 
 void LiveHand::implanted() {
   obeyed();
+}
+
+void LiveHand::changed() {
+  obeyed();
+}
+
+void LiveHand::refused() {
+  orders_.pop_front();
 }
 
 void LiveHand::obeyed() {

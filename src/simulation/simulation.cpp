@@ -142,6 +142,10 @@ void Simulation::act_without_time() {
       case Wish::Kind::implant:
         implant(wish.target);
         break;
+      case Wish::Kind::change:
+        change(wish.key, wish.value);
+        hand_->changed();
+        break;
       case Wish::Kind::done:
         done_ = true;
         break;

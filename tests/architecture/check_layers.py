@@ -9,7 +9,7 @@ import sys
 
 # Rooms on lower floors may be included, rooms beside or above may not.
 FLOORS = {"base": 0, "petsc": 1, "geometry": 1, "mesh": 2, "fem": 3, "solvers": 4, "dynamics": 5,
-          "needle": 5, "scene": 6, "output": 6, "simulation": 7, "study": 8, "app": 9}
+          "needle": 5, "scene": 6, "image": 6, "output": 6, "simulation": 7, "study": 8, "app": 9}
 
 # Rooms that may include less than their floor allows: names of rooms or of single headers.
 ONLY = {
@@ -17,6 +17,7 @@ ONLY = {
     "needle": {"mesh", "geometry", "base", "solvers/constraint_set.hpp"},
     "scene": {"geometry", "base", "mesh/parameters.hpp", "fem/parameters.hpp",
               "dynamics/parameters.hpp", "needle/parameters.hpp"},
+    "image": {"mesh", "geometry", "base"},
     "output": {"mesh", "petsc", "geometry", "base"},
 }
 

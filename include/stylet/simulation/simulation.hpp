@@ -54,6 +54,10 @@ class Simulation {
   [[nodiscard]] bool done() const { return done_; }
   /// Collective. Throws NumericalError when the step has no valid answer.
   StepRecord step();
+  /// Collective. Sets a number in mid-run, between two steps (simulation/change.hpp has the keys; SI).
+  /// True if the tissue's matrices were made anew. Throws InputError where the key does not change or the
+  /// value is not allowed; nothing has happened then. A hand's order does the same, and is recorded.
+  bool change(const std::string& key, double value);
 
   /// In the needle's coordinates, like everything here; `rotation` leads back to the scene's.
   [[nodiscard]] const Scene& scene() const { return scene_; }
