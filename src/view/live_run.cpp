@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/simulation/procedure_log.hpp"
 #include "stylet/solvers/modes.hpp"
 
 #include <algorithm>
@@ -25,10 +26,6 @@ double fastest(const Scene& scene) {
   return speed;
 }
 
-bool is_mark(const std::variant<NeedleParameters, std::string, double>& act) {
-  return !std::holds_alternative<double>(act);
-}
-
 }  // namespace
 
 LiveRun::LiveRun(MPI_Comm comm, SceneSource source, std::map<std::string, double> bands)
@@ -47,10 +44,7 @@ void LiveRun::build() {
   if (scene_.needles.empty()) {
     throw InputError(scene_.file + ": key 'needles': the scene has none; a hand needs one to hold");
   }
-  Scene live = scene_;
-  live.needles.clear();
-  live.expect.clear();
-  live.time.until_implanted = false;
+  Scene live = for_live_hand(scene_);
   constexpr double long_time = 60;  // s; the strain is looked at in shares of it
   live.time.duration = long_time;
   auto hand = std::make_unique<LiveHand>();
@@ -153,8 +147,10 @@ void LiveRun::record(Act act) {
 void LiveRun::obey(const Act& act) {
   if (const auto* needle = std::get_if<NeedleParameters>(&act)) {
     hand_->enter(*needle);
-  } else if (const auto* target = std::get_if<std::string>(&act)) {
-    hand_->implant(*target);
+  } else if (const auto* seed = std::get_if<SeedFor>(&act)) {
+    hand_->implant(seed->target);
+  } else if (const auto* change = std::get_if<Change>(&act)) {
+    hand_->change(change->key, change->value);
   } else {
     speed_ = std::get<double>(act);
     hand_->move(speed_);
@@ -196,14 +192,14 @@ void LiveRun::seed(const std::string& target) {
   const std::string why =
       in_tissue() ? simulation_->why_no_seed() : "the needle is outside: no seed can be left";
   notice_ = why;
-  if (why.empty()) record(target.empty() ? nearest_target() : target);
+  if (why.empty()) record(SeedFor{target.empty() ? nearest_target() : target});
 }
 
 void LiveRun::choose_method(const std::string& method) {
   const auto before = method_overrides_;
   method_overrides_ = {"time.method=" + method};
   std::string damping;
-  const RayleighDamping& damped = source_.load().tissue.damping;
+  const RayleighDamping damped = source_.load().tissue.damping.value_or(RayleighDamping{});
   if (method == "explicit" && damped.stiffness_factor > 0) {
     // The lowest mode of vibration is damped as it was; higher ones less.
     std::vector<int> held;
@@ -230,18 +226,23 @@ void LiveRun::choose_method(const std::string& method) {
 }
 
 void LiveRun::change(const std::string& key, double value) {
-  notice_ = key + " = " + exact(value) + ": cannot be changed yet";
+  bands_.clear();  // of the scene as it was
+  record(Change{key, value});
+}
+
+bool LiveRun::is_mark(const Done& done) {
+  return std::holds_alternative<NeedleParameters>(done.act) ||
+         std::holds_alternative<SeedFor>(done.act);
 }
 
 bool LiveRun::can_undo() const {
-  return std::ranges::any_of(done_, is_mark, &Done::act);
+  return std::ranges::any_of(done_, is_mark);
 }
 
 bool LiveRun::undo() {
-  const auto last = std::find_if(done_.rbegin(), done_.rend(),
-                                 [](const Done& done) { return is_mark(done.act); });
+  const auto last = std::find_if(done_.rbegin(), done_.rend(), is_mark);
   if (last == done_.rend()) return false;
-  const bool was_seed = std::holds_alternative<std::string>(last->act);
+  const bool was_seed = std::holds_alternative<SeedFor>(last->act);
   const long steps = last->step;
   std::vector<Done> done(done_.begin(), std::prev(last.base()));
   const double height = height_;

@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/picture.hpp"
 #include "stylet/view/publish.hpp"
 
 #include <algorithm>
@@ -159,6 +160,7 @@ void LiveSession::live(MPI_Comm comm,
                        const SceneSource& source,
                        const std::map<std::string, double>& bands) {
   LiveRun run(comm, source, bands);
+  picture_ = picture_of(run.simulation().scene(), run.simulation().mesh());
   offer(run);
   {
     const std::lock_guard lock(mutex_);

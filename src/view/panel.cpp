@@ -20,7 +20,7 @@ constexpr ImU32 orange = IM_COL32(230, 159, 0, 255);
 constexpr ImU32 sky_blue = IM_COL32(86, 180, 233, 255);
 constexpr ImU32 green = IM_COL32(0, 190, 140, 255);
 constexpr ImU32 white = IM_COL32(240, 240, 240, 255);
-constexpr ImVec4 warning{1.0F, 0.75F, 0.25F, 1.0F};
+const ImVec4 warning{1.0F, 0.75F, 0.25F, 1.0F};
 
 constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                           ImGuiWindowFlags_NoCollapse |

@@ -4,6 +4,7 @@
 #include "stylet/petsc/gather.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/cell_stress.hpp"
+#include "stylet/simulation/change.hpp"
 
 #include <algorithm>
 #include <array>
@@ -125,8 +126,18 @@ void publish_seeds(const LiveRun& run, Frame& frame) {
 
 }  // namespace
 
-std::vector<ShownParameter> parameters_of(const LiveRun& /*run*/) {
-  return {};
+std::vector<ShownParameter> parameters_of(const LiveRun& run) {
+  // A slider reaches from a fifth of the value to five times as much, within what is allowed.
+  constexpr double reach = 5;
+  std::vector<ShownParameter> shown;
+  for (const auto& number : changeable(run.simulation())) {
+    ShownParameter parameter{number.key, number.doc, number.unit, number.value};
+    parameter.low = std::max(number.minimum, number.value / reach);
+    parameter.high = std::min(number.maximum, number.value * reach);
+    parameter.new_operator = number.new_operator;
+    shown.push_back(std::move(parameter));
+  }
+  return shown;
 }
 
 void publish(const LiveRun& run, Colouring colouring, Frame& frame) {
@@ -144,6 +155,7 @@ void publish(const LiveRun& run, Colouring colouring, Frame& frame) {
   frame.peak_force = simulation.counts().peak_needle_force;
   frame.punctures = simulation.counts().needle.punctures;
   frame.worst_quality = simulation.counts().worst_quality;
+  frame.parameters = parameters_of(run);
   frame.history = run.trace().samples();
   frame.can_undo = run.can_undo();
   frame.epoch = run.epoch();

@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/picture.hpp"
 #include "stylet/view/offscreen.hpp"
 
 #include <cstdio>
@@ -11,21 +12,6 @@
 namespace stylet {
 
 namespace {
-
-Picture stand_in(const LiveRun& run) {
-  // TODO
-  Picture picture;
-  picture.width = picture.height = 256;
-  picture.origin = {0, 0};
-  picture.size = {0.08, 0.06};
-  unsigned state = 1;
-  for (int i = 0; i < 256 * 256; ++i) {
-    state = 1664525 * state + 1013904223;
-    picture.bytes.push_back(static_cast<std::uint8_t>(60 + (state >> 25)));
-  }
-  (void)run;
-  return picture;
-}
 
 void play_script(MPI_Comm comm,
                  const SceneSource& source,
@@ -39,7 +25,7 @@ void play_script(MPI_Comm comm,
   const OffscreenContext context;
   const OffscreenTarget target(options.size.width, options.size.height);
   const Interface interface;
-  Display display(stand_in(run));
+  Display display(picture_of(run.simulation().scene(), run.simulation().mesh()));
   display.look.size = options.letters;
   Player(run, display, options.frames, options.size).play(lines);
 }
@@ -48,8 +34,8 @@ void open_window(MPI_Comm comm,
                  const SceneSource& source,
                  const std::map<std::string, double>& bands,
                  const ViewOptions& options) {
-  const Picture picture = stand_in(LiveRun(comm, source, bands));
   LiveSession session(comm, source, bands);
+  const Picture picture = session.picture();
   WindowOptions window;
   window.title = "Stylet: " + source.file;
   window.width = options.size.width;

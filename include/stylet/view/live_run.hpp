@@ -77,11 +77,19 @@ class LiveRun {
 
  private:
   /// What was done before a step, for a replay. A number is the speed from then on (m/s).
-  using Act = std::variant<NeedleParameters, std::string, double>;
+  struct SeedFor {
+    std::string target;
+  };
+  struct Change {
+    std::string key;
+    double value = 0;
+  };
+  using Act = std::variant<NeedleParameters, SeedFor, Change, double>;
   struct Done {
     long step = 0;
     Act act;
   };
+  static bool is_mark(const Done& done);
 
   void build();
   void guide();

@@ -2,6 +2,7 @@
 // the caller gives orders and reads copies.
 #pragma once
 
+#include "stylet/image/picture.hpp"
 #include "stylet/view/frame.hpp"
 #include "stylet/view/live_run.hpp"
 
@@ -36,6 +37,8 @@ class LiveSession {
   void order(std::function<void(LiveRun&)> what);
   void pause(bool paused);
   void colour(Colouring colouring);
+  /// Of the tissue before anything moved.
+  [[nodiscard]] const Picture& picture() const { return picture_; }
   /// True if there is a newer frame than the last one taken.
   bool take(Frame& frame);
 
@@ -47,6 +50,8 @@ class LiveSession {
   bool step(LiveRun& run);
   void measure(double now);
   void offer(const LiveRun& run);
+
+  Picture picture_;  ///< before anyone asks
 
   // Shared, under the mutex.
   std::mutex mutex_;
