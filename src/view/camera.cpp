@@ -13,7 +13,7 @@ void Camera::fit(std::span<const float> coordinates) {
     low[i % 2] = std::min<double>(low[i % 2], coordinates[i]);
     high[i % 2] = std::max<double>(high[i % 2], coordinates[i]);
   }
-  constexpr double margin = 1.15;  // so that a needle in front of the skin is seen
+  constexpr double margin = 1.08;
   centre_ = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])};
   extent_ = {margin * (high[0] - low[0]), margin * (high[1] - low[1])};
 }

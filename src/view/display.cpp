@@ -69,6 +69,14 @@ void Display::resize(double width, double height) {
   camera.show_in({0, 0, width - panel_width(look, width), height});
 }
 
+void Display::fit(const Frame& frame) {
+  constexpr double room = 0.02;  // m
+  auto points = frame.reference;
+  points.push_back(static_cast<float>(frame.needle.skin.x - room * std::cos(frame.needle_angle)));
+  points.push_back(static_cast<float>(frame.needle.skin.y - room * std::sin(frame.needle_angle)));
+  camera.fit(points);
+}
+
 Wishes Display::draw(const Frame& frame, const DrawingPace& pace, bool paused) {
   ImGuiIO& io = ImGui::GetIO();
   const bool has_letters = io.Fonts->Fonts.Size > 0 && io.Fonts->Fonts[0]->FontSize > letter;

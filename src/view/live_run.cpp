@@ -8,14 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <utility>
 
 namespace stylet {
 
 namespace {
 
-constexpr double stand_off = 0.02;  // m in front of the skin, where a needle waits
+constexpr double stand_off = 0.01;  // m in front of the skin, where a needle waits
 
 // The fastest that the scene's own needles go (m/s).
 double fastest(const Scene& scene) {
@@ -103,7 +102,13 @@ void LiveRun::choose_height(double height) {
   if (has_entered_) outside_ = tip();
   has_entered_ = false;
   height_ = height;
-  approach_ = approach_of(*simulation_, next_needle());
+  Approach approach = approach_of(*simulation_, next_needle());
+  // In front of what it cannot enter a needle stops where it did on its last height.
+  if (approach.obstacle.empty()) {
+    approach_ = std::move(approach);
+  } else {
+    approach_.obstacle = std::move(approach.obstacle);
+  }
   outside_ = std::min(outside_, approach_.skin);
 }
 
@@ -130,6 +135,7 @@ void LiveRun::guide() {
     const double to = std::max(from + speed * h, approach_.skin - 2 * stand_off);
     outside_ = std::min(to, approach_.skin);
     if (to <= approach_.skin) return;
+    speed = (to - approach_.skin) / h;  // the way to the skin is behind it
     if (!approach_.obstacle.empty()) {
       notice_ = approach_.obstacle;
       return;
@@ -170,22 +176,17 @@ void LiveRun::step() {
   advance();
 }
 
+// Of those without a seed, or of all where each has one.
 std::string LiveRun::nearest_target() const {
   const Scene& scene = simulation_->scene();
+  const auto& seeds = simulation_->seeds();
   const WorldPoint tip = Axis{height_}.at<WorldFrame>(this->tip());
-  std::string nearest;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& target : scene.targets) {
-    if (std::ranges::find(simulation_->seeds(), target.name, &Seed::target) !=
-        simulation_->seeds().end()) {
-      continue;
-    }
-    const double away = norm(Vector2{tip.x - target.point.x, tip.y - target.point.y});
-    if (away >= least) continue;
-    least = away;
-    nearest = target.name;
-  }
-  return nearest;
+  const auto key = [&](const Target& target) {
+    const bool taken = std::ranges::find(seeds, target.name, &Seed::target) != seeds.end();
+    return std::pair(taken, norm(Vector2{tip.x - target.point.x, tip.y - target.point.y}));
+  };
+  const auto nearest = std::ranges::min_element(scene.targets, {}, key);
+  return nearest == scene.targets.end() ? std::string() : nearest->name;
 }
 
 void LiveRun::seed(const std::string& target) {

@@ -3,13 +3,11 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
+#include "stylet/view/places.hpp"
 #include "stylet/view/png.hpp"
 #include "stylet/view/publish.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include <cstdio>
-#include <fstream>
 #include <imgui.h>
 
 namespace stylet {
@@ -47,7 +45,7 @@ Player::Player(LiveRun& run, Display& display, std::string folder, PictureSize s
   push_.height = run_.height();
   display_.resize(size_.width, size_.height);
   publish(run_, Colouring::none, frame_);
-  display_.camera.fit(frame_.reference);
+  display_.fit(frame_);
 }
 
 void Player::obey(const ScriptLine& line) {
@@ -69,7 +67,7 @@ void Player::obey(const ScriptLine& line) {
   if (name == "hide") *shown(display_.look, argument) = false;
   if (name == "letters") display_.look.size = factor_of(argument);
   if (name == "zoom") display_.camera.zoom(factor_of(argument), display_.camera.middle());
-  if (name == "fit") display_.camera.fit(frame_.reference);
+  if (name == "fit") display_.fit(frame_);
   if (name == "screenshot") screenshot(argument);
   if (name == "film") {
     film_rate_ = factor_of(argument);
@@ -143,35 +141,7 @@ void Player::screenshot(const std::string& name) {
   draw();
   write_png(folder_ + "/" + name + ".png", size_.width, size_.height,
             read_pixels(size_.width, size_.height));
-  const auto point = [](auto x) { return nlohmann::ordered_json{x.x, x.y}; };
-  nlohmann::ordered_json places;
-  places["time"] = frame_.time;
-  places["method"] = frame_.method;
-  const Pane& pane = display_.camera.pane();
-  places["camera"] = {{"centre", point(display_.camera.centre())},
-                      {"metres_per_pixel", display_.camera.metres_per_pixel()},
-                      {"pane", {pane.left, pane.top, pane.width, pane.height}}};
-  places["needle"] = {{"tip", point(frame_.needle.tip)},
-                      {"in_tissue", frame_.needle.in_tissue},
-                      {"phase", frame_.needle.phase},
-                      {"force", frame_.tip_force + frame_.shaft_force}};
-  places["seeds"] = nlohmann::ordered_json::array();
-  for (const auto& seed : frame_.seeds) {
-    nlohmann::ordered_json entry{{"world", point(seed.x)}, {"target", seed.target}};
-    if (seed.error_now) entry["error_now"] = *seed.error_now;
-    if (seed.error_at_rest) entry["error_at_rest"] = *seed.error_at_rest;
-    if (seed.band) entry["band"] = *seed.band;
-    places["seeds"].push_back(entry);
-  }
-  for (const auto& target : frame_.targets) places["targets"][target.name] = point(target.x);
-  for (const auto& x : frame_.membrane) places["membrane"].push_back(point(x));
-  for (const auto& shaft : frame_.needle.shaft) places["shaft"].push_back(point(shaft.x));
-  places["notice"] = frame_.notice;
-  places["error"] = frame_.error;
-  const std::string path = folder_ + "/" + name + ".json";
-  std::ofstream out(path);
-  out << places.dump(1) << '\n';
-  if (!out.flush()) throw IoError(path + ": cannot be written");
+  write_places(folder_ + "/" + name + ".json", frame_, display_.camera);
 }
 
 void Player::play(const std::vector<ScriptLine>& lines) {

@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/view/display.hpp"
 #include "stylet/view/hand_input.hpp"
+#include "stylet/view/places.hpp"
 #include "stylet/view/png.hpp"
 
 #include <GLFW/glfw3.h>
@@ -121,7 +122,7 @@ class Window {
     glfwGetWindowSize(glfw_.window(), &width, &height);
     display_.resize(std::max(width, 1), std::max(height, 1));
     if (!fitted_ && frame_.number > 0) {
-      display_.camera.fit(frame_.reference);
+      display_.fit(frame_);
       fitted_ = true;
     }
   }
@@ -229,7 +230,7 @@ class Window {
       session_.order([next](LiveRun& run) { run.choose_method(next); });
     }
     if (key == GLFW_KEY_P) pause();
-    if (key == GLFW_KEY_F) camera.fit(frame_.reference);
+    if (key == GLFW_KEY_F) display_.fit(frame_);
     if (key == GLFW_KEY_C)
       look.colouring = static_cast<Colouring>((static_cast<int>(look.colouring) + 1) % 3);
     if (key == GLFW_KEY_T) look.picture = !look.picture;
@@ -244,9 +245,10 @@ class Window {
     int width = 0;
     int height = 0;
     glfwGetFramebufferSize(glfw_.window(), &width, &height);
-    const std::string name = "stylet-" + std::to_string(++n_saved_) + ".png";
-    write_png(name, width, height, read_pixels(width, height));
-    std::printf("%s\n", name.c_str());
+    const std::string name = "stylet-" + std::to_string(++n_saved_);
+    write_png(name + ".png", width, height, read_pixels(width, height));
+    write_places(name + ".json", frame_, display_.camera);
+    std::printf("%s.png, %s.json\n", name.c_str(), name.c_str());
     std::fflush(stdout);
   }
 

@@ -93,7 +93,7 @@ TEST(HandInput, AnUndoTakesTheNeedleOutOfTheHand) {
   screen.input.press({500, 100}, screen.frame, screen.camera);
   ++screen.frame.epoch;
   screen.frame.needle.in_tissue = true;
-  screen.input.take();
+  (void)screen.input.take();
   screen.input.move({400, 100}, screen.frame, screen.camera);
   EXPECT_FALSE(screen.input.holds());
   EXPECT_FALSE(screen.input.take());

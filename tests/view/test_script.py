@@ -65,23 +65,23 @@ HAND = """
 0 s: hide names
 0 s: screenshot outside
 0 s: insert 2 cm/s
-3.25 s: hold
-3.25 s: hide contacts
-3.25 s: screenshot target
-3.25 s: seed
-3.3 s: screenshot seed
-3.3 s: retract 2 cm/s
-6.6 s: hold
-6.6 s: screenshot out
-6.6 s: pan 1 cm, 5 mm
-6.6 s: zoom 1.5
-6.6 s: screenshot moved
-6.6 s: undo
-6.7 s: screenshot undone
-6.7 s: fit
-6.7 s: colours displacement
-6.7 s: hide picture
-6.7 s: screenshot colours
+2.75 s: hold
+2.75 s: hide contacts
+2.75 s: screenshot target
+2.75 s: seed
+2.8 s: screenshot seed
+2.8 s: retract 2 cm/s
+6.1 s: hold
+6.1 s: screenshot out
+6.1 s: pan 1 cm, 5 mm
+6.1 s: zoom 1.5
+6.1 s: screenshot moved
+6.1 s: undo
+6.2 s: screenshot undone
+6.2 s: fit
+6.2 s: colours displacement
+6.2 s: hide picture
+6.2 s: screenshot colours
 """
 
 
@@ -105,7 +105,7 @@ class Script(unittest.TestCase):
         shot = self.shot("outside")
         x, y = shot.numbers["needle"]["tip"]
         self.assertFalse(shot.numbers["needle"]["in_tissue"])
-        self.assertAlmostEqual(x, 0.08 + 0.02, places=6)
+        self.assertAlmostEqual(x, 0.08 + 0.01, places=6)
         self.assertAlmostEqual(y, 0.032, places=9)
         behind = [(x + d, y) for d in (0.001, 0.002)]
         self.assertEqual(shot.share(behind, STEEL), 1)
@@ -113,7 +113,7 @@ class Script(unittest.TestCase):
     def test_the_needle_is_where_the_hand_brought_it(self):
         shot = self.shot("target")
         x, y = shot.numbers["needle"]["tip"]
-        # 2 cm to the skin at 8 cm, then 4.5 cm at 2 cm/s: where the target is.
+        # 1 cm to the skin at 8 cm, then 4.5 cm at 2 cm/s: where the target is.
         self.assertAlmostEqual(x, 0.035, delta=2.1e-4)  # m; a step
         shaft = [(x + d, y) for d in numpy.linspace(0.004, 0.04, 30)]
         self.assertEqual(shot.share(shaft, STEEL), 1)
@@ -127,9 +127,9 @@ class Script(unittest.TestCase):
             seed = shot.numbers["seeds"][0]
             self.assertEqual(seed["target"], "seed")
             x, y = seed["world"]
-            off = 3 * shot.numbers["camera"]["metres_per_pixel"]
+            off = 2 * shot.numbers["camera"]["metres_per_pixel"]
             if name != "seed":  # there the needle lies over it
-                self.assertLess(numpy.abs(shot.colour(x + off, y + off) - VERMILION).sum(), 40, name)
+                self.assertLess(numpy.abs(shot.colour(x + off, y + off) - VERMILION).sum(), 60, name)
             x, y = shot.numbers["targets"]["seed"]
             self.assertEqual((x, y), (0.035, 0.032))
             off = 6 * shot.numbers["camera"]["metres_per_pixel"]

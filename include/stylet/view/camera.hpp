@@ -27,7 +27,7 @@ struct Pane {
 
 class Camera {
  public:
-  /// All of these points, with a margin.
+  /// All of these points, two coordinates each, with a margin.
   void fit(std::span<const float> coordinates);
   /// The part of the plane in the middle stays there, and its size too.
   void show_in(const Pane& pane) { pane_ = pane; }

@@ -30,6 +30,8 @@ class Display {
 
   /// Of the whole window (pixels); the tissue gets what the panel leaves. Before the mouse is asked.
   void resize(double width, double height);
+  /// Shows the whole tissue, and room in front of it for a needle.
+  void fit(const Frame& frame);
   /// Into the framebuffer that is bound. Dear ImGui knows the sizes, and its platform part has begun the
   /// frame.
   Wishes draw(const Frame& frame, const DrawingPace& pace, bool paused);
