@@ -17,7 +17,7 @@ ONLY = {
     "needle": {"mesh", "geometry", "base", "solvers/constraint_set.hpp"},
     "scene": {"geometry", "base", "mesh/parameters.hpp", "fem/parameters.hpp",
               "dynamics/parameters.hpp", "needle/parameters.hpp"},
-    "image": {"mesh", "geometry", "base"},
+    "image": {"geometry", "base"},
     "output": {"mesh", "petsc", "geometry", "base"},
 }
 
@@ -32,6 +32,7 @@ LIBRARIES = {
     r"metis\.h": {"mesh"},
     r"mpi\.h": {"petsc", "fem", "solvers", "dynamics", "output", "simulation",
                       "study", "app"},
+    r"(png|turbojpeg)\.h": {"image"},
     r"CLI/": {"app"},
     r"nlohmann/": {"output", "simulation", "study", "app"},
     r"udunits2\.h": {"base"},
