@@ -10,6 +10,7 @@
 #include "stylet/scene/schema.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
+#include "stylet/simulation/picture.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/solvers/modes.hpp"
 
@@ -89,6 +90,7 @@ int run_verb(SceneArguments arguments, RunOptions options, const std::string& ac
 
 int check_verb(const SceneArguments& arguments) {
   const Simulation simulation(MPI_COMM_WORLD, load(arguments), false);
+  if (simulation.scene().image) (void)picture_of(simulation.scene(), simulation.mesh());
   if (prints()) {
     std::printf("%s is valid\n%s", arguments.file.c_str(),
                 overview(simulation, size_of(MPI_COMM_WORLD)).c_str());
@@ -127,7 +129,9 @@ int stability_verb(const SceneArguments& arguments, const StabilityOptions& opti
 }
 
 int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options) {
-  converge(MPI_COMM_WORLD, load(arguments), options);
+  std::string note;
+  converge(MPI_COMM_WORLD, with_procedure(MPI_COMM_WORLD, load(arguments), note), options);
+  if (prints() && !note.empty()) std::printf("note: %s\n", note.c_str());
   return static_cast<int>(ExitCode::done);
 }
 

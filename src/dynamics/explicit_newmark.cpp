@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stylet {
 
@@ -96,6 +97,13 @@ void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
     node_mass_[static_cast<std::size_t>(node - tissue_.first_dof() / 2)] = masses[2 * node];
   }
   if (state_ != nullptr) accelerate_again(changed, rows);
+}
+
+void ExplicitNewmark::renewed(const Mesh& mesh) {
+  damping_ = tissue_.damping().value_or(RayleighDamping{});
+  std::vector<int> cells(static_cast<std::size_t>(mesh.n_cells()));
+  std::iota(cells.begin(), cells.end(), 0);
+  touched(mesh, cells);
 }
 
 // The next half step is under the accelerations of the state: where rows changed, they follow from the

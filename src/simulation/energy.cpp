@@ -207,6 +207,13 @@ void EnergyLedger::measure(const StoredEnergy& stored,
   if (is_explicit_) swing_ = 0.25 * h_ * h_ * kinetic_energy(tissue, state.a.get(), work_.get());
 }
 
+double EnergyLedger::conserved(const StoredEnergy& stored,
+                               const TissueOperator& tissue,
+                               const State& state) {
+  measure(stored, tissue, state);
+  return energies_.kinetic + energies_.strain - swing_;
+}
+
 void EnergyLedger::weigh(const StoredEnergy& stored,
                          const TissueOperator& tissue,
                          const State& state) {

@@ -83,6 +83,9 @@ bool Schedule::comes_to_rest(const StepOutcome& outcome) {
 }
 
 void LiveHand::enter(NeedleParameters needle) {
+  ++n_entered_;
+  if (needle.name.empty()) needle.name = "needle" + std::to_string(n_entered_);
+  needle.motion.clear();
   orders_.push_back({Wish::Kind::enter, std::move(needle)});
 }
 
@@ -154,6 +157,9 @@ void LiveHand::stepped(const NeedleStep& step, const StepOutcome& /*outcome*/) {
 
 double expected_time(const Scene& scene, const Mesh& mesh) {
   double total = scene.needles.empty() ? scene.time.duration : 0;
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) total += row.duration;
+  }
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
     const auto travels = travels_of(needle.motion, Axis::along_sign);

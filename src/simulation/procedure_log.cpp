@@ -1,16 +1,29 @@
 #include "stylet/simulation/procedure_log.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/scene/writer.hpp"
 #include "stylet/simulation/run.hpp"
 
 #include <utility>
 
 namespace stylet {
 
+namespace {
+
+constexpr const char* file_name = "procedure.yaml";
+constexpr auto longest_delay = std::chrono::milliseconds(900);
+
+}  // namespace
+
 ProcedureLog::ProcedureLog(const Scene& scene, const std::string& folder)
-    : path_(folder + "/procedure.yaml"), file_(path_, std::ios::binary | std::ios::trunc) {
-  std::ofstream(folder + "/scene.yaml") << resolved_text(scene);
-  since_ = std::chrono::steady_clock::now();
+    : path_(folder + "/" + file_name), file_(path_, std::ios::binary | std::ios::trunc) {
+  Scene recorded = with_absolute_paths(for_live_hand(scene));
+  recorded.procedure = ProcedureParameters{file_name, {}};
+  const std::string scene_path = folder + "/scene.yaml";
+  std::ofstream scene_file(scene_path, std::ios::binary | std::ios::trunc);
+  scene_file << to_yaml(recorded) << std::flush;
+  if (!scene_file) throw IoError(scene_path + ": cannot be written");
+  put("# A procedure as it happened; scene.yaml beside it runs it again.\n");
 }
 
 void ProcedureLog::step(double speed, double h) {
@@ -18,10 +31,10 @@ void ProcedureLog::step(double speed, double h) {
   steps_.speed = speed;
   steps_.duration += h;
   ++steps_.steps;
-  if (std::chrono::steady_clock::now() - since_ > std::chrono::seconds(1)) flush();
+  if (std::chrono::steady_clock::now() - since_ >= longest_delay) flush();
 }
 
-void ProcedureLog::event(ProcedureRow row) {
+void ProcedureLog::event(const ProcedureRow& row) {
   flush();
   write(row);
 }
@@ -45,14 +58,20 @@ void ProcedureLog::flush() {
 }
 
 void ProcedureLog::write(const ProcedureRow& row) {
-  file_ << to_line(row) << std::flush;
-  if (!file_) throw IoError(path_ + ": cannot be written");
+  put(to_line(row));
   ++n_rows_;
+}
+
+void ProcedureLog::put(const std::string& line) {
+  file_ << line << std::flush;
+  if (!file_) throw IoError(path_ + ": cannot be written");
+  since_ = std::chrono::steady_clock::now();
 }
 
 Scene for_live_hand(Scene scene) {
   scene.needles.clear();
   scene.expect.clear();
+  scene.procedure.reset();
   scene.time.until_implanted = false;
   scene.time.duration = 0;
   return scene;

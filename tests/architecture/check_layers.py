@@ -18,7 +18,7 @@ ONLY = {
     "needle": {"mesh", "geometry", "base", "solvers/constraint_set.hpp"},
     "scene": {"geometry", "base", "mesh/parameters.hpp", "fem/parameters.hpp",
               "dynamics/parameters.hpp", "needle/parameters.hpp"},
-    "image": {"mesh", "geometry", "base"},
+    "image": {"geometry", "base"},
     "output": {"mesh", "petsc", "geometry", "base"},
 }
 
@@ -33,6 +33,7 @@ LIBRARIES = {
     r"metis\.h": {"mesh"},
     r"mpi\.h": {"petsc", "fem", "solvers", "dynamics", "output", "simulation",
                       "study", "view", "app"},
+    r"turbojpeg\.h": {"image"},
     r"CLI/": {"app"},
     r"nlohmann/": {"output", "simulation", "study", "view", "app"},
     r"udunits2\.h": {"base"},

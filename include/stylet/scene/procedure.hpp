@@ -3,11 +3,11 @@
 // The file is a YAML list with one row a line, so that a program that is killed leaves at most a torn
 // last line:
 //
-//   - enter: {name: needle1, height: 0.032 m, cutting: {...}, friction: {...}}
-//   - move: {speed: 0.02 m/s, duration: 1.5 s, steps: 300}
-//   - implant: {target: seed}
-//   - change: {key: tissue.regions.prostate.youngs_modulus, value: 90000}
-//   - undo: {rows: 2}
+//   - {enter: {name: needle1, height: 0.032 m, cutting: {...}, friction: {...}}}
+//   - {move: {speed: 0.02 m/s, duration: 1.5 s, steps: 300}}
+//   - {implant: {target: seed}}
+//   - {change: {key: tissue.regions.prostate.youngs_modulus, value: 90000}}
+//   - {undo: {rows: 2}}
 #pragma once
 
 #include "stylet/needle/parameters.hpp"

@@ -8,6 +8,7 @@
 
 #include <deque>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ class Hand {
   virtual void entered(double skin, double at_rest) = 0;
   virtual void implanted() = 0;
   virtual void changed() {}
+  /// Of the tip (m/s); not all hands have one.
+  [[nodiscard]] virtual std::optional<double> speed_limit() const { return std::nullopt; }
+  virtual void limit_speed(double /*most*/) {}
   /// The wish could not be fulfilled, and nothing has happened; its error is on the way.
   virtual void refused() {}
   /// Throws NumericalError where what is awaited will never be.
@@ -92,7 +96,7 @@ class Schedule : public Hand {
 /// before time goes on.
 class LiveHand : public Hand {
  public:
-  /// Its motion is not used.
+  /// Its motion is not used. Without a name it gets needle1, needle2, ...
   void enter(NeedleParameters needle);
   /// Speed of the tip from now on (m/s): positive pushes, negative pulls, 0 holds.
   void move(double speed);
@@ -101,8 +105,8 @@ class LiveHand : public Hand {
   void change(std::string key, double value);
   void finish();
   /// Of the speeds from now on, and of the present one (m/s); none: infinity.
-  void limit_speed(double most);
-  [[nodiscard]] double speed_limit() const { return most_; }
+  void limit_speed(double most) override;
+  [[nodiscard]] std::optional<double> speed_limit() const override { return most_; }
   [[nodiscard]] double speed() const { return speed_; }
   [[nodiscard]] double tip() const { return tip_; }
   /// Where the simulation has gone back to an earlier state: the tip was there (m). Drops all orders; the
@@ -137,6 +141,7 @@ class LiveHand : public Hand {
   double most_ = std::numeric_limits<double>::infinity();
   double tip_ = 0;  ///< m
   long long ended_ = 0;
+  int n_entered_ = 0;
 };
 
 /// Time that a scene takes (s), as far as it is known before.

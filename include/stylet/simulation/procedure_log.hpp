@@ -21,13 +21,14 @@ class ProcedureLog {
 
   /// Of the tip (m/s), in a step of h (s).
   void step(double speed, double h);
-  void event(ProcedureRow row);
+  void event(const ProcedureRow& row);
   [[nodiscard]] std::size_t mark();
   void undo(std::size_t mark);
   void flush();
 
  private:
   void write(const ProcedureRow& row);
+  void put(const std::string& line);
 
   std::string path_;
   std::ofstream file_;

@@ -61,6 +61,13 @@ class Simulation {
 
   /// In the needle's coordinates, like everything here; `rotation` leads back to the scene's.
   [[nodiscard]] const Scene& scene() const { return scene_; }
+  /// True if needles enter, now or later.
+  [[nodiscard]] bool pierces() const { return live_ || !scene_.needles.empty(); }
+  /// Needles come by a hand that the scene does not know, or by its recorded procedure.
+  [[nodiscard]] bool is_live() const { return live_; }
+  [[nodiscard]] const Hand& hand() const { return *hand_; }
+  /// What reading the recorded procedure left out; empty: nothing.
+  [[nodiscard]] const std::string& procedure_note() const { return procedure_note_; }
   [[nodiscard]] Rotation rotation() const { return Rotation(scene_.needle_angle); }
   [[nodiscard]] const Body& body() const { return body_; }
   [[nodiscard]] const NumberedMesh& numbered() const { return body_.numbered(); }
@@ -97,14 +104,19 @@ class Simulation {
  private:
   StepRecord step_unguarded();
   void act_without_time();
+  void fulfil(const Wish& wish);
   void enter(const NeedleParameters& parameters);
+  [[nodiscard]] std::vector<double> region_modulus() const;
+  void tell_needle();
   void implant(const std::string& target);
   void count(const SubStep& step);
   void count_forces(const NeedleForces& forces, bool punctured);
   void count_deformed_inversions();
   void watch_strain();
 
+  std::string procedure_note_;
   Scene scene_;
+  bool live_;
   Body body_;
   std::unique_ptr<Hand> hand_;
   bool track_energy_;
