@@ -12,7 +12,7 @@ packages=(
   libpng-dev libturbojpeg0-dev
   python3-numpy python3-h5py python3-matplotlib python3-pil   # pictures of a run
 )
-window=(libglfw3-dev libepoxy-dev libimgui-dev libpng-dev libegl1 libgl1-mesa-dri fonts-dejavu-core)
+window=(libglfw3-dev libepoxy-dev libimgui-dev libegl1 libgl1-mesa-dri fonts-dejavu-core)
 case "${1-}" in
   "") ;;
   --tests) packages+=(libgtest-dev libgmock-dev gmsh python3-gmsh python3-openturns

@@ -217,6 +217,12 @@ class Verbs {
                      "file of orders to the hand; draws without a display (input/README.md)");
     verb->add_option("--frames", options.frames, "folder of the script's pictures")
         ->capture_default_str();
+    verb->add_option("--record", options.record,
+                     "recordings go to RECORD-1, RECORD-2, ... (default: out/view-<scene>)");
+    verb->add_flag("!--no-record", options.records, "record nothing");
+    verb->add_option(
+        "--plan", options.plan,
+        "scene whose needles are drawn over the tissue, such as a plan's planned.yaml");
     verb->add_option("--size", options.size, "of window or pictures, in pixels")
         ->capture_default_str();
     verb->add_option("--letters", options.letters, "size of letters and marks, such as 1.5")

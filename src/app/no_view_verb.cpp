@@ -6,8 +6,8 @@ namespace stylet {
 
 int view_verb(const SceneArguments& /*arguments*/, const ViewArguments& /*view*/) {
   throw InputError(
-      "view: this program was built without the window; it needs libglfw3-dev, libepoxy-dev, "
-      "libimgui-dev and libpng-dev: bash jobs/view.sh installs them, builds and opens it");
+      "view: this program was built without the window; it needs libglfw3-dev, libepoxy-dev and "
+      "libimgui-dev: bash jobs/view.sh installs them, builds and opens it");
 }
 
 }  // namespace stylet

@@ -1,7 +1,7 @@
 #include "stylet/app/verbs.hpp"
 
+#include "stylet/app/stored_accuracy.hpp"
 #include "stylet/base/errors.hpp"
-#include "stylet/base/fingerprint.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
 #include "stylet/petsc/agree.hpp"
@@ -15,7 +15,6 @@
 #include "stylet/solvers/modes.hpp"
 
 #include <cstdio>
-#include <filesystem>
 #include <numbers>
 #include <optional>
 
@@ -30,30 +29,6 @@ bool prints() {
 Scene load(const SceneArguments& arguments) {
   return load_scene(arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file),
                     arguments.overrides);
-}
-
-struct StoredAccuracy {
-  std::optional<Accuracy> study = {};
-  std::string missing = {};  ///< why the one that is there does not hold
-};
-
-/// Of the study beside the scene.
-StoredAccuracy stored_accuracy(const Scene& scene) {
-  const std::string path = accuracy_path(scene.file);
-  int there = 0;
-  if (prints()) there = std::filesystem::exists(path) ? 1 : 0;
-  MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  if (there == 0) return {};
-  try {
-    Accuracy study(path, read_on_all(MPI_COMM_WORLD, path));
-    const std::string mesh = mesh_path(scene);
-    const std::string reason =
-        study.mismatch(scene, mesh.empty() ? mesh : fingerprint(read_on_all(MPI_COMM_WORLD, mesh)));
-    if (reason.empty()) return {std::move(study), {}};
-    return {{}, reason};
-  } catch (const InputError& error) {
-    return {{}, error.what()};
-  }
 }
 
 }  // namespace

@@ -26,11 +26,21 @@ struct Place {
 };
 
 struct Numbers {
-  CuttingParameters cutting;
-  std::optional<FrictionParameters> friction;
+  NeedleParameters needle;
   TissueParameters tissue;
   std::optional<MembraneParameters> membrane;
 };
+
+void add_needle(NeedleParameters& needle, std::vector<Place>& places) {
+  const auto add = [&](const std::string& name, double& number) {
+    places.push_back({"needle." + name, "needles[]." + name, Reach::needle, number, &number});
+  };
+  add("cutting.cutting_force", needle.cutting.cutting_force);
+  add("cutting.sharpness", needle.cutting.sharpness);
+  if (!needle.friction) return;
+  add("friction.static_force", needle.friction->static_force);
+  add("friction.kinetic_force", needle.friction->kinetic_force);
+}
 
 /// All that may change, in copies of what holds them.
 std::vector<Place> places(const Simulation& simulation, Numbers& numbers) {
@@ -43,18 +53,8 @@ std::vector<Place> places(const Simulation& simulation, Numbers& numbers) {
     found.push_back({key, row, reach, number, &number});
   };
   if (const Needle* needle = simulation.needle(); needle != nullptr) {
-    numbers.cutting = needle->parameters().cutting;
-    numbers.friction = needle->parameters().friction;
-    add("needle.cutting.cutting_force", "needles[].cutting.cutting_force", Reach::needle,
-        numbers.cutting.cutting_force);
-    add("needle.cutting.sharpness", "needles[].cutting.sharpness", Reach::needle,
-        numbers.cutting.sharpness);
-    if (numbers.friction) {
-      add("needle.friction.static_force", "needles[].friction.static_force", Reach::needle,
-          numbers.friction->static_force);
-      add("needle.friction.kinetic_force", "needles[].friction.kinetic_force", Reach::needle,
-          numbers.friction->kinetic_force);
-    }
+    numbers.needle = needle->parameters();
+    add_needle(numbers.needle, found);
   }
   if (const auto limit = simulation.hand().speed_limit()) {
     found.push_back({"hand.speed_limit", "needles[].motion[].insert.speed", Reach::hand, *limit});
@@ -83,16 +83,10 @@ const Key& key_of(const std::string& row) {
   return *std::ranges::find(rows, row, &SchemaRow::path)->key;
 }
 
-bool needs_operator(Reach reach, TimeMethod method) {
-  return reach == Reach::tissue ||
-         (reach == Reach::damping && method == TimeMethod::implicit_newmark);
-}
-
-}  // namespace
-
-bool Simulation::change(const std::string& key, double value) {
-  Numbers numbers;
-  const auto all = places(*this, numbers);
+/// Throws InputError where the key is none of them, or the value is not allowed.
+std::vector<Place>::const_iterator find_place(const std::vector<Place>& all,
+                                              const std::string& key,
+                                              double value) {
   const auto found = std::ranges::find(all, key, &Place::key);
   if (found == all.end()) {
     std::vector<std::string> names;
@@ -104,20 +98,30 @@ bool Simulation::change(const std::string& key, double value) {
     throw InputError("key '" + key + "': value '" + with_unit(value, row.unit) +
                      "'; allowed: " + offer(row));
   }
+  return found;
+}
+
+bool needs_operator(Reach reach, TimeMethod method) {
+  return reach == Reach::tissue ||
+         (reach == Reach::damping && method == TimeMethod::implicit_newmark);
+}
+
+}  // namespace
+
+bool Simulation::change(const std::string& key, double value) {
+  Numbers numbers;
+  const auto all = places(*this, numbers);
+  const auto found = find_place(all, key, value);
   if (found->at != nullptr) *found->at = value;
   switch (found->reach) {
     case Reach::hand:
       hand_->limit_speed(value);
       break;
-    case Reach::needle: {
-      NeedleParameters needle = needle_->parameters();
-      needle.cutting = numbers.cutting;
-      needle.friction = numbers.friction;
-      check_needle(scene_, needle);
-      needle_->change(numbers.cutting, numbers.friction,
+    case Reach::needle:
+      check_needle(scene_, numbers.needle);
+      needle_->change(numbers.needle.cutting, numbers.needle.friction,
                       scene_.membrane ? scene_.membrane->puncture_force : 0, region_modulus());
       break;
-    }
     case Reach::membrane:
       scene_.membrane = numbers.membrane;
       tell_needle();
@@ -142,10 +146,11 @@ void Simulation::tell_needle() {
                   scene_.membrane ? scene_.membrane->puncture_force : 0, region_modulus());
 }
 
-std::vector<Changeable> changeable(const Simulation& simulation) {
-  Numbers numbers;
+namespace {
+
+std::vector<Changeable> described(const std::vector<Place>& places, TimeMethod method) {
   std::vector<Changeable> list;
-  for (const Place& place : places(simulation, numbers)) {
+  for (const Place& place : places) {
     const Key& row = key_of(place.row);
     Changeable entry;
     entry.key = place.key;
@@ -156,10 +161,32 @@ std::vector<Changeable> changeable(const Simulation& simulation) {
     entry.maximum = row.range.max;
     entry.above_minimum = row.range.min_open;
     entry.below_maximum = row.range.max_open;
-    entry.new_operator = needs_operator(place.reach, simulation.scene().time.method);
+    entry.new_operator = needs_operator(place.reach, method);
     list.push_back(std::move(entry));
   }
   return list;
+}
+
+}  // namespace
+
+std::vector<Changeable> changeable(const Simulation& simulation) {
+  Numbers numbers;
+  return described(places(simulation, numbers), simulation.scene().time.method);
+}
+
+std::vector<Changeable> changeable(NeedleParameters needle) {
+  std::vector<Place> places;
+  add_needle(needle, places);
+  return described(places, {});
+}
+
+void change(const Scene& scene, NeedleParameters& needle, const std::string& key, double value) {
+  NeedleParameters changed = needle;
+  std::vector<Place> places;
+  add_needle(changed, places);
+  *find_place(places, key, value)->at = value;
+  check_needle(scene, changed);
+  needle = std::move(changed);
 }
 
 }  // namespace stylet

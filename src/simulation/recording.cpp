@@ -6,14 +6,14 @@ void RecordingHand::entered(double skin, double at_rest) {
   ProcedureRow row{ProcedureRow::Kind::enter};
   row.needle = order().needle;
   LiveHand::entered(skin, at_rest);
-  log_.event(row);
+  write(row);
 }
 
 void RecordingHand::implanted() {
   ProcedureRow row{ProcedureRow::Kind::implant};
   row.target = order().target;
   LiveHand::implanted();
-  log_.event(row);
+  write(row);
 }
 
 void RecordingHand::changed() {
@@ -21,12 +21,12 @@ void RecordingHand::changed() {
   row.key = order().key;
   row.value = order().value;
   LiveHand::changed();
-  log_.event(row);
+  write(row);
 }
 
 void RecordingHand::stepped(const NeedleStep& step, const StepOutcome& outcome) {
   LiveHand::stepped(step, outcome);
-  log_.step(speed(), step.h);
+  if (records_) log_.step(speed(), step.h);
 }
 
 }  // namespace stylet

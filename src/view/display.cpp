@@ -96,7 +96,7 @@ Wishes Display::draw(const Frame& frame, const DrawingPace& pace, bool paused) {
     wishes.orders.push_back(std::move(order));
   }
   draw_help(camera.pane(), look);
-  draw_overlay(frame, {look.contacts, look.names, look.size, largest_}, camera);
+  draw_overlay(frame, {look.contacts, look.names, look.size, largest_, planned}, camera);
   ImGui::Render();
 
   glViewport(0, 0, static_cast<GLsizei>(std::lround(ratio * width_)),

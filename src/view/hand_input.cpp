@@ -39,7 +39,7 @@ void HandInput::move(Pixel to, const Frame& frame, const Camera& camera) {
   const NeedlePlace place = place_of(camera.point_at(to), frame.needle_angle);
   if (grip_) {
     wanted_ = Aim{height_, place.along - *grip_};
-  } else if (!frame.needle.in_tissue) {
+  } else if (!frame.needle.in_tissue && !pushes_ && !frame.replays) {
     wanted_ = Push{place.height, 0};
   }
 }

@@ -1,13 +1,11 @@
 #include "stylet/view/live_run.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/base/text.hpp"
-#include "stylet/simulation/procedure_log.hpp"
-#include "stylet/solvers/modes.hpp"
+#include "stylet/simulation/model.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <filesystem>
 #include <utility>
 
 namespace stylet {
@@ -19,41 +17,93 @@ constexpr double stand_off = 0.01;  // m in front of the skin, where a needle wa
 // The fastest that the scene's own needles go (m/s).
 double fastest(const Scene& scene) {
   double speed = 0;
+  if (scene.procedure) {
+    for (const auto& row : scene.procedure->rows) speed = std::max(speed, std::abs(row.speed));
+  }
   for (const auto& needle : scene.needles) {
     for (const auto& action : needle.motion) speed = std::max(speed, action.speed);
   }
   return speed;
 }
 
-}  // namespace
-
-LiveRun::LiveRun(MPI_Comm comm, SceneSource source, std::map<std::string, double> bands)
-    : comm_(comm), source_(std::move(source)), bands_(std::move(bands)) {
-  build();
-  // A hand is quicker than the scene's steady advance, and may be slower.
-  constexpr double margin = 2;
-  speed_limit_ = margin * fastest(scene_);
+/// Made, as name-1, name-2 or so on.
+std::string next_free(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code fault;
+  if (const auto parent = fs::path(name).parent_path(); !parent.empty()) {
+    fs::create_directories(parent, fault);
+  }
+  for (int number = 1;; ++number) {
+    const std::string folder = name + "-" + std::to_string(number);
+    if (fs::create_directory(folder, fault)) return folder;
+    if (fault || !fs::exists(folder))
+      throw IoError(folder + ": cannot be made: " + fault.message());
+  }
 }
 
-void LiveRun::build() {
-  SceneSource source = source_;
+}  // namespace
+
+LiveRun::LiveRun(MPI_Comm comm, LiveOptions options) : comm_(comm), options_(std::move(options)) {
+  load();
+  begin(true);
+  if (!options_.plan) return;
+  planned_ = ways_of(options_.plan->load(), simulation_->mesh());
+}
+
+void LiveRun::load() {
+  SceneSource source = options_.source;
   source.overrides.insert(source.overrides.end(), method_overrides_.begin(),
                           method_overrides_.end());
-  scene_ = source.load();
-  if (scene_.needles.empty()) {
+  std::string note;
+  scene_ = with_procedure(comm_, source.load(), note);
+  script_ = scene_.procedure ? scene_.procedure->rows : std::vector<ProcedureRow>();
+  take_models();
+  if (models_.empty()) {
     throw InputError(scene_.file + ": key 'needles': the scene has none; a hand needs one to hold");
   }
+  log_.reset();
+  folder_.clear();
+}
+
+void LiveRun::take_models() {
+  changed_ = false;
+  models_ = scene_.needles;
+  for (const ProcedureRow& row : script_) {
+    if (row.kind == ProcedureRow::Kind::enter) models_.push_back(row.needle);
+  }
+}
+
+// The folder of a recording is made with it, so that none is left where a scene is refused.
+void LiveRun::begin(bool records) {
   Scene live = for_live_hand(scene_);
-  constexpr double long_time = 60;  // s; the strain is looked at in shares of it
-  live.time.duration = long_time;
-  auto hand = std::make_unique<LiveHand>();
+  if (records && !options_.record.empty() && !log_) {
+    folder_ = next_free(options_.record);
+  }
+  std::unique_ptr<LiveHand> hand;
+  recording_ = nullptr;
+  if (folder_.empty()) {
+    hand = std::make_unique<LiveHand>();
+  } else {
+    if (!log_) log_ = std::make_unique<ProcedureLog>(scene_, folder_);
+    auto recording = std::make_unique<RecordingHand>(*log_);
+    recording_ = recording.get();
+    recording_->record(records);
+    hand = std::move(recording);
+  }
   hand_ = hand.get();
+  // A hand is quicker than the scene's steady advance, and may be slower.
+  constexpr double margin = 2;
+  constexpr double usual = 0.04;  // m/s
+  const double speed = fastest(scene_);
+  hand_->limit_speed(speed > 0 ? margin * speed : usual);
   simulation_ = std::make_unique<Simulation>(comm_, std::move(live), false, std::move(hand));
-  height_ = scene_.needles.front().height;
+  height_ = models_.front().height;
   has_entered_ = false;
   approach_ = approach_of(*simulation_, next_needle());
   outside_ = approach_.skin - stand_off;
   wanted_ = Push{height_, 0};
+  rows_ = script_;
+  elapsed_ = 0;
   speed_ = 0;
   n_entered_ = 0;
   n_steps_ = 0;
@@ -84,13 +134,14 @@ double LiveRun::tip() const {
 }
 
 std::optional<double> LiveRun::band(const std::string& target) const {
-  const auto found = bands_.find(target);
-  return found == bands_.end() ? std::nullopt : std::optional(found->second);
+  if (changed_ || !method_overrides_.empty()) return std::nullopt;
+  const auto found = options_.bands.find(target);
+  return found == options_.bands.end() ? std::nullopt : std::optional(found->second);
 }
 
 NeedleParameters LiveRun::next_needle() const {
-  const auto model = std::min(static_cast<std::size_t>(n_entered_), scene_.needles.size() - 1);
-  NeedleParameters needle = scene_.needles[model];
+  const auto model = std::min(static_cast<std::size_t>(n_entered_), models_.size() - 1);
+  NeedleParameters needle = models_[model];
   needle.name = "needle" + std::to_string(n_entered_ + 1);
   needle.height = height_;
   needle.motion.clear();
@@ -112,23 +163,56 @@ void LiveRun::choose_height(double height) {
   outside_ = std::min(outside_, approach_.skin);
 }
 
+void LiveRun::want(const std::variant<Aim, Push>& wanted) {
+  wanted_ = wanted;
+  rows_.clear();
+}
+
 void LiveRun::enter() {
   record(next_needle());
   ++n_entered_;
   has_entered_ = true;
 }
 
+// What the recording did before this step. Its rows end where steps of the clock do.
+void LiveRun::follow() {
+  while (!rows_.empty()) {
+    const ProcedureRow row = rows_.front();
+    if (row.kind == ProcedureRow::Kind::move && elapsed_ + 0.5 * step_length() < row.duration) {
+      if (row.speed != speed_) record(row.speed);
+      elapsed_ += step_length();
+      return;
+    }
+    rows_.erase(rows_.begin());
+    elapsed_ = 0;
+    if (row.kind == ProcedureRow::Kind::enter) {
+      choose_height(row.needle.height);
+      ++n_entered_;
+      has_entered_ = true;
+      record(row.needle);
+    }
+    if (row.kind == ProcedureRow::Kind::implant) record(SeedFor{row.target});
+    if (row.kind == ProcedureRow::Kind::change) change(row.key, row.value);
+  }
+  wanted_ = Push{height_, 0};
+  tell("the recorded procedure is at its end");
+}
+
 void LiveRun::guide() {
+  if (!rows_.empty()) {
+    follow();
+    return;
+  }
   const auto* aim = std::get_if<Aim>(&wanted_);
   const auto* push = std::get_if<Push>(&wanted_);
   choose_height(aim != nullptr ? aim->height : push->height);
   const double h = step_length();
   const double from = has_entered_ ? tip() : outside_;
   double speed = push != nullptr ? push->speed : (aim->tip - from) / h;
-  speed = std::clamp(speed, -speed_limit_, speed_limit_);
+  speed = std::clamp(speed, -speed_limit(), speed_limit());
   if (speed > 0 && from + speed * h > approach_.deepest && approach_.obstacle.empty()) {
     speed = std::max(0.0, (approach_.deepest - from) / h);
-    notice_ = "the far side of the tissue is near: no further";
+    tell("the far side of the tissue is near: no further");
   }
   if (!has_entered_) {
     // No further out than the hand can see.
@@ -137,7 +221,7 @@ void LiveRun::guide() {
     if (to <= approach_.skin) return;
     speed = (to - approach_.skin) / h;  // the way to the skin is behind it
     if (!approach_.obstacle.empty()) {
-      notice_ = approach_.obstacle;
+      tell(approach_.obstacle);
       return;
     }
     enter();
@@ -146,8 +230,10 @@ void LiveRun::guide() {
 }
 
 void LiveRun::record(Act act) {
-  obey(act);
-  done_.push_back({n_steps_, std::move(act)});
+  Done done{n_steps_, std::move(act)};
+  if (recording_ != nullptr && is_mark(done)) done.mark = recording_->mark();
+  obey(done.act);
+  done_.push_back(std::move(done));
 }
 
 void LiveRun::obey(const Act& act) {
@@ -156,7 +242,7 @@ void LiveRun::obey(const Act& act) {
   } else if (const auto* seed = std::get_if<SeedFor>(&act)) {
     hand_->implant(seed->target);
   } else if (const auto* change = std::get_if<Change>(&act)) {
-    hand_->change(change->key, change->value);
+    simulation_->change(change->key, change->value);
   } else {
     speed_ = std::get<double>(act);
     hand_->move(speed_);
@@ -172,102 +258,15 @@ void LiveRun::advance() {
 }
 
 void LiveRun::step() {
+  constexpr double readable = 5;  // s
+  if ((n_steps_ - notice_at_) * step_length() > readable) notice_.clear();
   guide();
   advance();
 }
 
-// Of those without a seed, or of all where each has one.
-std::string LiveRun::nearest_target() const {
-  const Scene& scene = simulation_->scene();
-  const auto& seeds = simulation_->seeds();
-  const WorldPoint tip = Axis{height_}.at<WorldFrame>(this->tip());
-  const auto key = [&](const Target& target) {
-    const bool taken = std::ranges::find(seeds, target.name, &Seed::target) != seeds.end();
-    return std::pair(taken, norm(Vector2{tip.x - target.point.x, tip.y - target.point.y}));
-  };
-  const auto nearest = std::ranges::min_element(scene.targets, {}, key);
-  return nearest == scene.targets.end() ? std::string() : nearest->name;
-}
-
-void LiveRun::seed(const std::string& target) {
-  const std::string why =
-      in_tissue() ? simulation_->why_no_seed() : "the needle is outside: no seed can be left";
-  notice_ = why;
-  if (why.empty()) record(SeedFor{target.empty() ? nearest_target() : target});
-}
-
-void LiveRun::choose_method(const std::string& method) {
-  const auto before = method_overrides_;
-  method_overrides_ = {"time.method=" + method};
-  std::string damping;
-  const RayleighDamping damped = source_.load().tissue.damping.value_or(RayleighDamping{});
-  if (method == "explicit" && damped.stiffness_factor > 0) {
-    // The lowest mode of vibration is damped as it was; higher ones less.
-    std::vector<int> held;
-    for (const auto& dof : simulation_->body().held()) held.push_back(dof.dof);
-    const double omega = natural_frequencies(simulation_->tissue(), held, 1).at(0);
-    const double mass_factor = damped.mass_factor + damped.stiffness_factor * omega * omega;
-    method_overrides_.emplace_back("tissue.damping.stiffness_factor=null");
-    method_overrides_.push_back("tissue.damping.mass_factor=" + exact(mass_factor) + " 1/s");
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "; damped by mass (%.3g 1/s) instead of stiffness, which explicit steps cannot "
-                  "bear: the lowest mode as before",
-                  mass_factor);
-    damping = text;
-  }
-  try {
-    build();
-    notice_ = "anew, " + method + damping;
-  } catch (const InputError& error) {
-    method_overrides_ = before;
-    build();
-    notice_ = error.what();
-  }
-}
-
-void LiveRun::change(const std::string& key, double value) {
-  bands_.clear();  // of the scene as it was
-  record(Change{key, value});
-}
-
-bool LiveRun::is_mark(const Done& done) {
-  return std::holds_alternative<NeedleParameters>(done.act) ||
-         std::holds_alternative<SeedFor>(done.act);
-}
-
-bool LiveRun::can_undo() const {
-  return std::ranges::any_of(done_, is_mark);
-}
-
-bool LiveRun::undo() {
-  const auto last = std::find_if(done_.rbegin(), done_.rend(), is_mark);
-  if (last == done_.rend()) return false;
-  const bool was_seed = std::holds_alternative<SeedFor>(last->act);
-  const long steps = last->step;
-  std::vector<Done> done(done_.begin(), std::prev(last.base()));
-  const double height = height_;
-  build();
-  for (auto& [step, act] : done) {
-    while (n_steps_ < step) advance();
-    if (const auto* needle = std::get_if<NeedleParameters>(&act)) {
-      height_ = needle->height;
-      approach_ = approach_of(*simulation_, *needle);
-      ++n_entered_;
-      has_entered_ = true;
-    }
-    record(std::move(act));
-  }
-  while (n_steps_ < steps) advance();
-  choose_height(height);
-  wanted_ = Push{height_, 0};
-  notice_ = was_seed ? "the last seed is undone" : "the last needle is undone";
-  return true;
-}
-
-void LiveRun::restart() {
-  build();
-  notice_ = "anew";
+void LiveRun::tell(std::string notice) {
+  notice_ = std::move(notice);
+  notice_at_ = n_steps_;
 }
 
 }  // namespace stylet

@@ -24,11 +24,11 @@ double clock_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-LiveSession::LiveSession(MPI_Comm comm, SceneSource source, std::map<std::string, double> bands) {
-  thread_ = std::thread([this, comm, source = std::move(source), bands = std::move(bands)] {
+LiveSession::LiveSession(MPI_Comm comm, LiveOptions options) {
+  thread_ = std::thread([this, comm, options = std::move(options)]() mutable {
     try {
       use_in_this_thread();
-      live(comm, source, bands);
+      live(comm, std::move(options));
     } catch (...) {
       const std::lock_guard lock(mutex_);
       failure_ = std::current_exception();
@@ -44,12 +44,22 @@ LiveSession::LiveSession(MPI_Comm comm, SceneSource source, std::map<std::string
 }
 
 LiveSession::~LiveSession() {
+  stop();
+}
+
+void LiveSession::stop() {
   {
     const std::lock_guard lock(mutex_);
     ends_ = true;
   }
   news_.notify_all();
   if (thread_.joinable()) thread_.join();
+}
+
+std::string LiveSession::end() {
+  stop();
+  if (failure_) std::rethrow_exception(failure_);
+  return last_words_;
 }
 
 void LiveSession::want(const std::variant<Aim, Push>& wanted) {
@@ -156,10 +166,9 @@ void LiveSession::offer(const LiveRun& run) {
   is_new_ = true;
 }
 
-void LiveSession::live(MPI_Comm comm,
-                       const SceneSource& source,
-                       const std::map<std::string, double>& bands) {
-  LiveRun run(comm, source, bands);
+void LiveSession::live(MPI_Comm comm, LiveOptions options) {
+  LiveRun run(comm, std::move(options));
+  planned_ = run.planned();
   picture_ = picture_of(run.simulation().scene(), run.simulation().mesh());
   offer(run);
   {
@@ -178,7 +187,7 @@ void LiveSession::live(MPI_Comm comm,
       const double wait = std::clamp(run.step_length() - behind, 0.0, between_frames);
       news_.wait_for(lock, std::chrono::duration<double>(behind >= run.step_length() ? 0 : wait),
                      [&] { return ends_ || !orders_.empty(); });
-      if (ends_) return;
+      if (ends_) break;
       stands = paused_ || !error_.empty();
       wanted = !is_new_;
     }
@@ -197,6 +206,7 @@ void LiveSession::live(MPI_Comm comm,
     offer(run);
     offered_at = clock_seconds();
   }
+  last_words_ = last_words(run);
 }
 
 }  // namespace stylet

@@ -38,6 +38,7 @@ class Overlay {
     list_.PushClipRect(to_vec({pane.left, pane.top}),
                        to_vec({pane.left + pane.width, pane.top + pane.height}));
     membrane();
+    planned();
     targets();
     if (!frame_.needle.in_tissue) guide();
     needle();
@@ -84,19 +85,33 @@ class Overlay {
     }
   }
 
+  void dashed(ImVec2 from, ImVec2 to, ImU32 colour, float width) {
+    const float length = std::hypot(to.x - from.x, to.y - from.y);
+    const float dash = 8 * unit_;
+    const ImVec2 d{(to.x - from.x) / length, (to.y - from.y) / length};
+    for (float s = 0; s < length; s += 2 * dash) {
+      const float end = std::min(s + dash, length);
+      list_.AddLine({from.x + s * d.x, from.y + s * d.y}, {from.x + end * d.x, from.y + end * d.y},
+                    colour, width * unit_);
+    }
+  }
+
+  // Ways of needles, and rings where their tips should be when a seed is left.
+  void planned() {
+    for (const PlannedWay& way : look_.planned) {
+      dashed(at(way.skin), at(way.deepest), yellow, 2);
+      for (const auto& seed : way.seeds) {
+        list_.AddCircle(at(seed.tip), 6 * unit_, black, 0, 4 * unit_);
+        list_.AddCircle(at(seed.tip), 6 * unit_, yellow, 0, 2 * unit_);
+      }
+    }
+  }
+
   // The way that a needle outside would take.
   void guide() {
-    const ImVec2 tip = at(frame_.needle.tip);
-    const WorldPoint far = frame_.needle.tip + 0.5 * direction();
-    const ImVec2 end = at(far);
-    const float length = std::hypot(end.x - tip.x, end.y - tip.y);
-    const float dash = 8 * unit_;
-    const ImVec2 d{(end.x - tip.x) / length, (end.y - tip.y) / length};
-    for (float s = 0; s < length; s += 2 * dash) {
-      list_.AddLine({tip.x + s * d.x, tip.y + s * d.y},
-                    {tip.x + (s + dash) * d.x, tip.y + (s + dash) * d.y},
-                    IM_COL32(255, 255, 255, 90), unit_);
-    }
+    constexpr double far = 0.5;  // m
+    dashed(at(frame_.needle.tip), at(frame_.needle.tip + far * direction()),
+           IM_COL32(255, 255, 255, 90), 1);
   }
 
   [[nodiscard]] Vector2 direction() const {
@@ -208,7 +223,7 @@ std::string error_text(const std::optional<double>& error, const std::optional<d
   if (!error) return "unknown";
   char text[60];
   if (band) {
-    std::snprintf(text, sizeof text, "%.2f ± %.2f mm", 1e3 * *error, 1e3 * *band);
+    std::snprintf(text, sizeof text, "%.2f mm (scene's own: ± %.2f)", 1e3 * *error, 1e3 * *band);
   } else {
     std::snprintf(text, sizeof text, "%.2f mm, band unknown", 1e3 * *error);
   }

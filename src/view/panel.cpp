@@ -115,12 +115,6 @@ std::string short_name(const std::string& key) {
 }
 
 void sliders(const Frame& frame, Wishes& wishes) {
-  float limit = static_cast<float>(1e3 * frame.speed_limit);
-  ImGui::TextUnformatted("speed limit of the hand");
-  ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##speed", &limit, 1, 200, "%.0f mm/s", ImGuiSliderFlags_Logarithmic)) {
-    wishes.orders.emplace_back([limit](LiveRun& run) { run.limit_speed(1e-3 * limit); });
-  }
   for (const ShownParameter& parameter : frame.parameters) {
     const std::string unit = parameter.unit.empty() ? "" : customary_unit(parameter.unit);
     const double factor = unit.empty() ? 1 : to_si("1 " + unit, parameter.unit);
@@ -181,7 +175,7 @@ Wishes draw_panel(
   if (ImGui::Button("Anew (R)")) wishes.orders.emplace_back([](LiveRun& run) { run.restart(); });
   ImGui::SameLine();
   if (ImGui::Button("Keys (H)")) look.help = !look.help;
-  row("needle", "%s", frame.needle.phase.c_str());
+  row("needle", "%s%s", frame.needle.phase.c_str(), frame.replays ? ", recorded" : "");
   if (ImGui::CollapsingHeader("Placement", ImGuiTreeNodeFlags_DefaultOpen)) placement(frame);
   if (ImGui::CollapsingHeader("Forces", ImGuiTreeNodeFlags_DefaultOpen)) forces(frame);
   if (ImGui::CollapsingHeader("Time", ImGuiTreeNodeFlags_DefaultOpen)) {

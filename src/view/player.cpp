@@ -57,7 +57,7 @@ void Player::obey(const ScriptLine& line) {
   if (name == "retract") push_.speed = -to_si(argument, "m/s");
   if (name == "hold") push_.speed = 0;
   if (name == "seed") run_.seed(argument);
-  if (name == "limit") run_.limit_speed(to_si(argument, "m/s"));
+  if (name == "limit") run_.change("hand.speed_limit", to_si(argument, "m/s"));
   if (name == "set") change(argument);
   if (name == "method") run_.choose_method(argument);
   if (name == "undo") run_.undo();
@@ -104,7 +104,7 @@ void Player::go_to(double time) {
       draw();
       char name[40];
       std::snprintf(name, sizeof name, "/frame_%05d.png", n_frames_++);
-      write_png(folder_ + name, size_.width, size_.height, read_pixels(size_.width, size_.height));
+      save_framebuffer(folder_ + name, size_.width, size_.height);
       next_frame_ += 1 / film_rate_;
     }
     if (error_.empty()) {
@@ -139,8 +139,7 @@ void Player::screenshot(const std::string& name) {
     throw InputError("'" + name + "'; allowed: a name of a file, without folder and ending");
   }
   draw();
-  write_png(folder_ + "/" + name + ".png", size_.width, size_.height,
-            read_pixels(size_.width, size_.height));
+  save_framebuffer(folder_ + "/" + name + ".png", size_.width, size_.height);
   write_places(folder_ + "/" + name + ".json", frame_, display_.camera);
 }
 

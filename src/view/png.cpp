@@ -1,38 +1,32 @@
 #include "stylet/view/png.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/image/file.hpp"
 
 #include <algorithm>
 #include <epoxy/gl.h>
-#include <png.h>
+#include <fstream>
 
 namespace stylet {
 
-std::vector<std::uint8_t> read_pixels(int width, int height) {
+void save_framebuffer(const std::string& path, int width, int height) {
+  Picture picture;
+  picture.width = width;
+  picture.height = height;
+  picture.channels = 3;
   const auto row = 3 * static_cast<std::size_t>(width);
-  const auto rows = static_cast<std::size_t>(height);
-  std::vector<std::uint8_t> upward(row * rows);
+  picture.bytes.resize(row * static_cast<std::size_t>(height));
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
-  std::vector<std::uint8_t> pixels(upward.size());
-  for (std::size_t i = 0; i < rows; ++i) {
-    std::copy_n(upward.begin() + static_cast<std::ptrdiff_t>((rows - 1 - i) * row), row,
-                pixels.begin() + static_cast<std::ptrdiff_t>(i * row));
+  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, picture.bytes.data());
+  // OpenGL begins at the lower left corner.
+  for (int i = 0; i < height / 2; ++i) {
+    const auto upper = picture.bytes.begin() + static_cast<std::ptrdiff_t>(row) * i;
+    const auto lower = picture.bytes.begin() + static_cast<std::ptrdiff_t>(row) * (height - 1 - i);
+    std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row), lower);
   }
-  return pixels;
-}
-
-void write_png(const std::string& path,
-               int width,
-               int height,
-               const std::vector<std::uint8_t>& rgb) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = static_cast<png_uint_32>(width);
-  image.height = static_cast<png_uint_32>(height);
-  image.format = PNG_FORMAT_RGB;
-  if (png_image_write_to_file(&image, path.c_str(), 0, rgb.data(), 0, nullptr) != 0) return;
-  throw IoError(path + ": cannot be written: " + image.message);
+  std::ofstream out(path, std::ios::binary);
+  out << png_of(picture);
+  if (!out.flush()) throw IoError(path + ": cannot be written");
 }
 
 }  // namespace stylet

@@ -4,7 +4,6 @@
 #include "stylet/petsc/gather.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/cell_stress.hpp"
-#include "stylet/simulation/change.hpp"
 
 #include <algorithm>
 #include <array>
@@ -129,15 +128,27 @@ void publish_seeds(const LiveRun& run, Frame& frame) {
 std::vector<ShownParameter> parameters_of(const LiveRun& run) {
   // A slider reaches from a fifth of the value to five times as much, within what is allowed.
   constexpr double reach = 5;
+  constexpr double any = 100;  // where there is nothing now
   std::vector<ShownParameter> shown;
-  for (const auto& number : changeable(run.simulation())) {
+  for (const auto& number : run.parameters()) {
     ShownParameter parameter{number.key, number.doc, number.unit, number.value};
     parameter.low = std::max(number.minimum, number.value / reach);
-    parameter.high = std::min(number.maximum, number.value * reach);
+    parameter.high = std::min(number.maximum, number.value > 0 ? number.value * reach : any);
     parameter.new_operator = number.new_operator;
     shown.push_back(std::move(parameter));
   }
   return shown;
+}
+
+std::string last_words(LiveRun& run) {
+  const Score score = run.finish();
+  std::string words = run.simulation().seeds().empty() ? std::string() : text_of(score);
+  if (!words.empty() && words.back() != '\n') words += '\n';
+  if (!run.folder().empty()) {
+    words += "recorded in " + run.folder() + "; the same again: stylet run " + run.folder() +
+             "/scene.yaml, or stylet view with it\n";
+  }
+  return words;
 }
 
 void publish(const LiveRun& run, Colouring colouring, Frame& frame) {
@@ -160,6 +171,7 @@ void publish(const LiveRun& run, Colouring colouring, Frame& frame) {
   frame.can_undo = run.can_undo();
   frame.epoch = run.epoch();
   frame.speed_limit = run.speed_limit();
+  frame.replays = run.replays();
   frame.notice = run.notice();
   frame.needle_angle = simulation.scene().needle_angle;
   frame.height = run.height();

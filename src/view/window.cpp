@@ -68,8 +68,9 @@ class Platform {
 
 class Window {
  public:
-  Window(LiveSession& session, const Picture& picture, const WindowOptions& options)
-      : session_(session), options_(options), glfw_(options), display_(picture) {
+  Window(LiveSession& session, const WindowOptions& options)
+      : session_(session), options_(options), glfw_(options), display_(session.picture()) {
+    display_.planned = session.planned();
     GLFWwindow* window = glfw_.window();
     glfwSetWindowUserPointer(window, this);
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
@@ -217,7 +218,7 @@ class Window {
     if (key == GLFW_KEY_LEFT_BRACKET || key == GLFW_KEY_RIGHT_BRACKET) {
       const double limit =
           frame_.speed_limit * (key == GLFW_KEY_RIGHT_BRACKET ? closer : 1 / closer);
-      session_.order([limit](LiveRun& run) { run.limit_speed(limit); });
+      session_.order([limit](LiveRun& run) { run.change("hand.speed_limit", limit); });
     }
     if (repeated) return;  // the rest acts once
     if (key == GLFW_KEY_SPACE) session_.order([](LiveRun& run) { run.seed(); });
@@ -246,7 +247,7 @@ class Window {
     int height = 0;
     glfwGetFramebufferSize(glfw_.window(), &width, &height);
     const std::string name = "stylet-" + std::to_string(++n_saved_);
-    write_png(name + ".png", width, height, read_pixels(width, height));
+    save_framebuffer(name + ".png", width, height);
     write_places(name + ".json", frame_, display_.camera);
     std::printf("%s.png, %s.json\n", name.c_str(), name.c_str());
     std::fflush(stdout);
@@ -275,10 +276,8 @@ class Window {
 
 }  // namespace
 
-WindowReport show_window(LiveSession& session,
-                         const Picture& picture,
-                         const WindowOptions& options) {
-  return Window(session, picture, options).show();
+WindowReport show_window(LiveSession& session, const WindowOptions& options) {
+  return Window(session, options).show();
 }
 
 }  // namespace stylet

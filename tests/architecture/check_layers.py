@@ -33,7 +33,7 @@ LIBRARIES = {
     r"metis\.h": {"mesh"},
     r"mpi\.h": {"petsc", "fem", "solvers", "dynamics", "output", "simulation",
                       "study", "view", "app"},
-    r"turbojpeg\.h": {"image"},
+    r"(png|turbojpeg)\.h": {"image"},
     r"CLI/": {"app"},
     r"nlohmann/": {"output", "simulation", "study", "view", "app"},
     r"udunits2\.h": {"base"},
@@ -41,7 +41,6 @@ LIBRARIES = {
     r"GLFW/": {"view/window.cpp"},
     r"epoxy/egl\.h": {"view/offscreen.cpp"},
     r"epoxy/": {"view"},
-    r"png\.h": {"image", "view"},
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)

@@ -13,14 +13,14 @@
 namespace stylet {
 namespace {
 
-SceneSource reference(const std::vector<std::string>& overrides = {}) {
+LiveOptions reference(const std::vector<std::string>& overrides = {}) {
   const std::string file = STYLET_SOURCE_DIR "/input/prostate.yaml";
   std::ifstream in(file);
   std::ostringstream text;
   text << in.rdbuf();
   std::vector<std::string> all{"time.step=10 ms"};
   all.insert(all.end(), overrides.begin(), overrides.end());
-  return {file, text.str(), all};
+  return {{file, text.str(), all}};
 }
 
 /// Until the tip stands there (m, as the scene's position), at the speed of the scene's own hand.
@@ -91,7 +91,7 @@ TEST(LiveRun, AfterAnUndoTheSameHandLeadsToTheSameBits) {
 
 TEST(LiveRun, TheHandIsNoFasterThanItsLimit) {
   LiveRun run(MPI_COMM_WORLD, reference());
-  run.limit_speed(0.03);
+  run.change("hand.speed_limit", 0.03);
   run.want(Aim{run.height(), -0.05});
   double last = run.tip();
   for (int i = 0; i < 200; ++i) {
@@ -104,7 +104,7 @@ TEST(LiveRun, TheHandIsNoFasterThanItsLimit) {
 
 TEST(LiveRun, StopsShortOfTheFarSide) {
   LiveRun run(MPI_COMM_WORLD, reference({"time.method=quasi_static"}));
-  run.limit_speed(0.1);
+  run.change("hand.speed_limit", 0.1);
   run.want(Aim{run.height(), 0.05});
   for (int i = 0; i < 200; ++i) run.step();
   EXPECT_LT(run.tip(), 0);
@@ -165,7 +165,7 @@ TEST(LiveRun, NeedsANeedleToHold) {
   std::ifstream in(file);
   std::ostringstream text;
   text << in.rdbuf();
-  EXPECT_THROW(LiveRun(MPI_COMM_WORLD, {file, text.str()}), InputError);
+  EXPECT_THROW(LiveRun(MPI_COMM_WORLD, {{file, text.str()}}), InputError);
 }
 
 TEST(LiveRun, TraceStaysBounded) {

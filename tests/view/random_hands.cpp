@@ -144,7 +144,7 @@ int program(const Asked& asked) {
   std::vector<long> sizes;
   for (int i = 0; i < asked.hands; ++i) {
     const int seed = asked.first + i;
-    LiveRun run(MPI_COMM_WORLD, source);
+    LiveRun run(MPI_COMM_WORLD, {source});
     if (!asked.method.empty() && asked.method != run.method()) run.choose_method(asked.method);
     const Outcome outcome = Hand(run, static_cast<unsigned>(seed)).play(asked.seconds);
     sizes.push_back(memory());

@@ -28,7 +28,7 @@ def view(folder, script, *options):
     path.write_text(script)
     return subprocess.run(
         [PROGRAM, "view", str(SCENE), "--set", "time.step=10 ms", "--script", str(path), "--frames",
-         str(folder), *options], capture_output=True, text=True, timeout=250, check=False,
+         str(folder), "--record", str(pathlib.Path(folder) / "record"), *options], capture_output=True, text=True, timeout=250, check=False,
         env={k: v for k, v in {**os.environ, **AS_ROOT}.items() if k != "DISPLAY"})
 
 

@@ -33,7 +33,7 @@ class Window(unittest.TestCase):
         self.shots = 0
         self.program = subprocess.Popen(
             [PROGRAM, "view", str(SOURCE / "input/prostate.yaml"), "--set",
-             "time.method=quasi_static", "--set", "time.step=20 ms", "--size", "1000x700"],
+             "time.method=quasi_static", "--set", "time.step=20 ms", "--size", "1000x700", "--record", "record"],
             cwd=self.folder, env={**os.environ, **AS_ROOT}, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.stop)

@@ -24,4 +24,9 @@ struct Changeable {
 /// Those of the present needle only if one has entered.
 [[nodiscard]] std::vector<Changeable> changeable(const Simulation& simulation);
 
+/// Of a needle that has not entered; the keys are those of one that has.
+[[nodiscard]] std::vector<Changeable> changeable(NeedleParameters needle);
+/// As Simulation::change, before it enters.
+void change(const Scene& scene, NeedleParameters& needle, const std::string& key, double value);
+
 }  // namespace stylet

@@ -27,9 +27,16 @@ class RecordingHand : public LiveHand {
   /// The simulation, and this hand (`hold_at`), went back to that state: a replay leaves out what came
   /// after it.
   void undo(std::size_t mark) { log_.undo(mark); }
+  /// Whether it writes: not while it does again what the log has.
+  void record(bool records) { records_ = records; }
 
  private:
+  void write(const ProcedureRow& row) {
+    if (records_) log_.event(row);
+  }
+
   ProcedureLog& log_;
+  bool records_ = true;
 };
 
 }  // namespace stylet

@@ -1,10 +1,13 @@
 // One picture of a frame: tissue, overlay, panel. The same in the window and off the screen.
 #pragma once
 
+#include "stylet/simulation/planned.hpp"
 #include "stylet/view/camera.hpp"
 #include "stylet/view/frame.hpp"
 #include "stylet/view/panel.hpp"
 #include "stylet/view/tissue_drawing.hpp"
+
+#include <vector>
 
 namespace stylet {
 
@@ -27,6 +30,7 @@ class Display {
 
   Look look;
   Camera camera;
+  std::vector<PlannedWay> planned;  ///< drawn over the tissue
 
   /// Of the whole window (pixels); the tissue gets what the panel leaves. Before the mouse is asked.
   void resize(double width, double height);

@@ -111,6 +111,7 @@ struct Frame {
   std::vector<Sample> history;
   bool can_undo = false;
   int epoch = 0;          ///< another one: the needle is not where it was
+  bool replays = false;   ///< a recorded procedure moves the needle
   std::string notice;     ///< why an order was not obeyed, or what has changed; empty: nothing
   std::string error;      ///< the physics has stopped; empty: it runs
   double hand_stamp = 0;  ///< s of the clock, when what the last step obeyed was wanted

@@ -9,7 +9,6 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -26,7 +25,7 @@ class LiveSession {
  public:
   /// Makes the procedure, in its thread. MPI must allow calls from one thread at a time; the caller makes
   /// none until the session has ended. Throws what the procedure throws.
-  LiveSession(MPI_Comm comm, SceneSource source, std::map<std::string, double> bands = {});
+  LiveSession(MPI_Comm comm, LiveOptions options);
   LiveSession(const LiveSession&) = delete;
   LiveSession& operator=(const LiveSession&) = delete;
   ~LiveSession();
@@ -39,19 +38,26 @@ class LiveSession {
   void colour(Colouring colouring);
   /// Of the tissue before anything moved.
   [[nodiscard]] const Picture& picture() const { return picture_; }
+  [[nodiscard]] const std::vector<PlannedWay>& planned() const { return planned_; }
+  /// Ends the procedure. What there is to say of it.
+  [[nodiscard]] std::string end();
   /// True if there is a newer frame than the last one taken.
   bool take(Frame& frame);
 
  private:
   using Order = std::function<void(LiveRun&)>;
 
-  void live(MPI_Comm comm, const SceneSource& source, const std::map<std::string, double>& bands);
+  void live(MPI_Comm comm, LiveOptions options);
+  void stop();
   void obey(LiveRun& run);
   bool step(LiveRun& run);
   void measure(double now);
   void offer(const LiveRun& run);
 
-  Picture picture_;  ///< before anyone asks
+  // Made before anyone asks, or after the thread has ended.
+  Picture picture_;
+  std::vector<PlannedWay> planned_;
+  std::string last_words_;
 
   // Shared, under the mutex.
   std::mutex mutex_;

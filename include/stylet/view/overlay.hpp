@@ -2,8 +2,13 @@
 // besides colours.
 #pragma once
 
+#include "stylet/simulation/planned.hpp"
 #include "stylet/view/camera.hpp"
 #include "stylet/view/frame.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
 
 namespace stylet {
 
@@ -12,12 +17,14 @@ struct OverlayLook {
   bool names = true;
   double size = 1;     ///< of marks and letters
   double largest = 1;  ///< of the colours' scale, in SI
+  std::span<const PlannedWay> planned = {};
 };
 
 /// Into the list behind all windows of Dear ImGui, between NewFrame and Render.
 void draw_overlay(const Frame& frame, const OverlayLook& look, const Camera& camera);
 
-/// '6.2 ± 0.3 mm', '6.2 mm (band unknown)', 'unknown'.
+/// '6.20 mm (± 0.31 in the scene's own)', '6.20 mm, band unknown', 'unknown'. band: half width, of the
+/// scene's own procedure.
 [[nodiscard]] std::string error_text(const std::optional<double>& error,
                                      const std::optional<double>& band);
 

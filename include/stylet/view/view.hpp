@@ -1,13 +1,12 @@
 // A scene under the hand of a physician.
 #pragma once
 
+#include "stylet/view/live_run.hpp"
 #include "stylet/view/player.hpp"
-#include "stylet/view/scene_source.hpp"
 #include "stylet/view/window.hpp"
 
 #include <mpi.h>
 
-#include <map>
 #include <string>
 
 namespace stylet {
@@ -21,9 +20,6 @@ struct ViewOptions {
 };
 
 /// Collective, on one rank. Until the window is closed or the script is at its end.
-void view(MPI_Comm comm,
-          const SceneSource& source,
-          const std::map<std::string, double>& bands,
-          const ViewOptions& options);
+void view(MPI_Comm comm, LiveOptions live, const ViewOptions& options);
 
 }  // namespace stylet

@@ -2,7 +2,6 @@
 // thread that runs main.
 #pragma once
 
-#include "stylet/image/picture.hpp"
 #include "stylet/view/live_session.hpp"
 
 #include <optional>
@@ -28,8 +27,6 @@ struct WindowReport {
 };
 
 /// Until it is closed. Throws Error where no window can be opened.
-WindowReport show_window(LiveSession& session,
-                         const Picture& picture,
-                         const WindowOptions& options);
+WindowReport show_window(LiveSession& session, const WindowOptions& options);
 
 }  // namespace stylet
