@@ -130,6 +130,7 @@ bool LiveSession::step(LiveRun& run) {
   }
   const double took = clock_seconds() - start;
   stepping_ += took;
+  all_stepping_ += took;
   longest_ = std::max(longest_, took);
   simulated_ += run.last_step().h;
   sub_steps_ += run.last_step().sub_steps;
@@ -139,6 +140,7 @@ bool LiveSession::step(LiveRun& run) {
 
 void LiveSession::measure(double now) {
   const double passed = now - since_;
+  pace_.all_busy = all_stepping_ / (now - start_);
   if (passed < stretch) return;
   pace_.real_time_factor = simulated_ / passed;
   pace_.busy = stepping_ / passed;
@@ -176,7 +178,7 @@ void LiveSession::live(MPI_Comm comm, LiveOptions options) {
     is_ready_ = true;
   }
   news_.notify_all();
-  double last = since_ = clock_seconds();
+  double last = start_ = since_ = clock_seconds();
   double behind = 0;
   double offered_at = last;
   for (;;) {

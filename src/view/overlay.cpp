@@ -219,15 +219,4 @@ void draw_overlay(const Frame& frame, const OverlayLook& look, const Camera& cam
   Overlay(frame, look, camera).draw();
 }
 
-std::string error_text(const std::optional<double>& error, const std::optional<double>& band) {
-  if (!error) return "unknown";
-  char text[60];
-  if (band) {
-    std::snprintf(text, sizeof text, "%.2f mm (scene's own: ± %.2f)", 1e3 * *error, 1e3 * *band);
-  } else {
-    std::snprintf(text, sizeof text, "%.2f mm, band unknown", 1e3 * *error);
-  }
-  return text;
-}
-
 }  // namespace stylet

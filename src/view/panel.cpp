@@ -2,7 +2,6 @@
 
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
-#include "stylet/view/overlay.hpp"
 #include "stylet/view/plot.hpp"
 
 #include <algorithm>
@@ -10,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 #include <imgui.h>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace stylet {
@@ -38,6 +39,13 @@ void row(const char* name, const char* format, Values... values) {
   ImGui::Text(format, values...);
 }
 
+std::string length_text(const std::optional<double>& metres) {
+  if (!metres) return "unknown";
+  char text[40];
+  std::snprintf(text, sizeof text, "%.2f mm", 1e3 * *metres);
+  return text;
+}
+
 void placement(const Frame& frame) {
   for (const ShownTarget& target : frame.targets) {
     if (!target.has_seed) row(target.name.c_str(), "%s", "no seed yet");
@@ -49,7 +57,8 @@ void placement(const Frame& frame) {
     }
     ImGui::TextUnformatted(("seed for " + seed.target).c_str());
     row("  error now", "%.2f mm", 1e3 * seed.error_now.value_or(0));
-    row("  at rest", "%s", error_text(seed.error_at_rest, seed.band).c_str());
+    row("  at rest", "%s", length_text(seed.error_at_rest).c_str());
+    row("  its band", "%s", seed.band ? ("± " + length_text(seed.band)).c_str() : "unknown");
   }
 }
 
@@ -75,13 +84,12 @@ void forces(const Frame& frame) {
 void pace_of(const Frame& frame, const DrawingPace& drawing, bool paused) {
   const Pace& pace = frame.pace;
   row("time", "%.2f s", frame.time);
+  row("step", "%.3g ms, %.3g sub-steps", 1e3 * pace.step, pace.sub_steps);
+  if (drawing.frames_per_second <= 0) return;
   row("frames", "%.0f a second", drawing.frames_per_second);
-  row("steps", "%.3g ms, %.3g sub-steps", 1e3 * pace.step, pace.sub_steps);
-  row("steps a frame", "%.1f",
-      drawing.frames_per_second > 0
-          ? pace.real_time_factor * pace.sub_steps / pace.step / drawing.frames_per_second
-          : 0.0);
-  row("busy", "%.0f %%", 100 * pace.busy);
+  row("sub-steps a frame", "%.1f",
+      pace.real_time_factor * pace.sub_steps / pace.step / drawing.frames_per_second);
+  row("busy with steps", "%.0f %%", 100 * pace.busy);
   if (drawing.delay > 0) row("hand to picture", "%.0f ms", 1e3 * drawing.delay);
   constexpr double slow = 0.97;
   if (paused || !frame.error.empty()) {
@@ -104,12 +112,11 @@ void method(const Frame& frame, Wishes& wishes) {
   }
 }
 
-// The last parts of a key say enough.
+// The last part of a key, of regions with their name.
 std::string short_name(const std::string& key) {
-  auto names = parse_path(key).names;
-  const std::size_t first = names.size() > 2 ? names.size() - 2 : 0;
-  std::string text;
-  for (std::size_t i = first; i < names.size(); ++i) text += (i > first ? " " : "") + names[i];
+  const auto names = parse_path(key).names;
+  std::string text = names.back();
+  if (names.size() > 3) text = names[2] + ": " + text;
   std::ranges::replace(text, '_', ' ');
   return text;
 }
@@ -119,19 +126,18 @@ void sliders(const Frame& frame, Wishes& wishes) {
     const std::string unit = parameter.unit.empty() ? "" : customary_unit(parameter.unit);
     const double factor = unit.empty() ? 1 : to_si("1 " + unit, parameter.unit);
     auto value = static_cast<float>(parameter.value / factor);
-    ImGui::TextUnformatted(short_name(parameter.key).c_str());
-    if (parameter.new_operator) {
-      ImGui::SameLine();
-      ImGui::TextDisabled("(new matrices)");
-    }
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(
+        (short_name(parameter.key) + (parameter.new_operator ? " *" : "")).c_str());
+    ImGui::SameLine(0.45F * ImGui::GetWindowWidth());
     ImGui::SetNextItemWidth(-1);
-    const bool wide = parameter.low > 0;
     ImGui::SliderFloat(("##" + parameter.key).c_str(), &value,
                        static_cast<float>(parameter.low / factor),
                        static_cast<float>(parameter.high / factor), ("%.3g " + unit).c_str(),
-                       wide ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
-    if (ImGui::IsItemHovered())
+                       parameter.low > 0 ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+    if (ImGui::IsItemHovered()) {
       ImGui::SetTooltip("%s\n%s", parameter.key.c_str(), parameter.doc.c_str());
+    }
     if (ImGui::IsItemDeactivatedAfterEdit()) {
       wishes.orders.emplace_back(
           [key = parameter.key, si = factor * value](LiveRun& run) { run.change(key, si); });
@@ -184,6 +190,7 @@ Wishes draw_panel(
   }
   if (ImGui::CollapsingHeader("Tissue and needle", ImGuiTreeNodeFlags_DefaultOpen)) {
     sliders(frame, wishes);
+    ImGui::TextDisabled("* makes the tissue's matrices anew");
   }
   if (ImGui::CollapsingHeader("What is shown", ImGuiTreeNodeFlags_DefaultOpen)) looks(look);
   ImGui::End();

@@ -95,6 +95,10 @@ class Window {
     while (glfwWindowShouldClose(glfw_.window()) == 0) {
       glfwPollEvents();
       const bool is_new = session_.take(frame_);
+      if (is_new && first_at_ == 0) {
+        first_at_ = clock_seconds();
+        first_time_ = frame_.time;
+      }
       resize();
       const double now = clock_seconds();
       if (!ImGui::GetIO().WantCaptureKeyboard) input_.keys(held_keys(), frame_, now - last);
@@ -107,8 +111,8 @@ class Window {
       if (options_.seconds && now - start > *options_.seconds) break;
     }
     report_.seconds = clock_seconds() - start;
-    report_.real_time_factor = frame_.pace.real_time_factor;
-    report_.busy = frame_.pace.busy;
+    report_.real_time_factor = (frame_.time - first_time_) / (clock_seconds() - first_at_);
+    report_.busy = frame_.pace.all_busy;
     return report_;
   }
 
@@ -272,6 +276,8 @@ class Window {
   double mean_ = 0;  ///< s between pictures
   double stamp_ = 0;
   long n_delays_ = 0;
+  double first_at_ = 0;    ///< s of the clock, of the first frame
+  double first_time_ = 0;  ///< s, simulated
 };
 
 }  // namespace

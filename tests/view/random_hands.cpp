@@ -32,8 +32,6 @@ struct Asked {
 
 struct Outcome {
   long steps = 0;
-  int needles = 0;
-  int seeds = 0;
   int undos = 0;
   int changes = 0;
   int inverted_deformed = 0;  ///< most at a time
@@ -59,7 +57,8 @@ class Hand {
     Frame frame;
     const auto n_steps = static_cast<long>(seconds / run_.step_length());
     for (long i = 0; i < n_steps; ++i) {
-      if (i >= next_) decide(i, outcome);
+      if (i >= next_ || (i % 10 == 0 && was_in_ != run_.in_tissue())) decide(i, outcome);
+      was_in_ = run_.in_tissue();
       try {
         run_.step();
       } catch (const Error& error) {
@@ -89,8 +88,9 @@ class Hand {
     const double what = draw(0, 1);
     const auto [low, high] = heights();
     if (!run_.in_tissue()) {
-      run_.want(Push{draw(low, high), draw(0.2, 1) * limit});
-      if (what < 0.1) change(outcome);
+      // In its own height it would go on where it has cut.
+      run_.want(Push{what < 0.8 ? draw(low, high) : run_.height(), draw(0.4, 1) * limit});
+      if (what < 0.3) change(outcome);
     } else if (what < 0.4) {
       run_.want(Push{run_.height(), draw(-0.2, 1) * limit});
     } else if (what < 0.55) {
@@ -101,10 +101,10 @@ class Hand {
       run_.want(Push{run_.height(), -limit});
       next_ = now + static_cast<long>(4 / h);  // all the way out
     } else if (what < 0.9) {
-      const auto before = run_.notice();
       run_.seed();
-      if (run_.notice().empty()) ++outcome.seeds;
-    } else if (what < 0.96) {
+      run_.want(Push{run_.height(), 0});
+      next_ = now + static_cast<long>(0.2 / h);
+    } else if (what < 0.97) {
       change(outcome);
     } else if (now < 2000 && run_.undo()) {
       ++outcome.undos;
@@ -136,6 +136,7 @@ class Hand {
   LiveRun& run_;
   std::mt19937_64 random_;
   long next_ = 0;
+  bool was_in_ = false;
 };
 
 int program(const Asked& asked) {

@@ -79,10 +79,12 @@ class LiveSession {
   std::string error_;
   double stamp_ = 0;
   Pace pace_;
-  double since_ = 0;      ///< start of the present stretch of measurement (s)
-  double simulated_ = 0;  ///< in it (s)
-  double stepping_ = 0;   ///< s
-  double longest_ = 0;    ///< s
+  double start_ = 0;         ///< s
+  double all_stepping_ = 0;  ///< s, since then
+  double since_ = 0;         ///< start of the present stretch of measurement (s)
+  double simulated_ = 0;     ///< in it (s)
+  double stepping_ = 0;      ///< s
+  double longest_ = 0;       ///< s
   long long sub_steps_ = 0;
   long steps_ = 0;
   std::uint64_t n_frames_ = 0;

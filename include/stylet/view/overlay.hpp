@@ -6,9 +6,7 @@
 #include "stylet/view/camera.hpp"
 #include "stylet/view/frame.hpp"
 
-#include <optional>
 #include <span>
-#include <string>
 
 namespace stylet {
 
@@ -22,10 +20,5 @@ struct OverlayLook {
 
 /// Into the list behind all windows of Dear ImGui, between NewFrame and Render.
 void draw_overlay(const Frame& frame, const OverlayLook& look, const Camera& camera);
-
-/// '6.20 mm (± 0.31 in the scene's own)', '6.20 mm, band unknown', 'unknown'. band: half width, of the
-/// scene's own procedure.
-[[nodiscard]] std::string error_text(const std::optional<double>& error,
-                                     const std::optional<double>& band);
 
 }  // namespace stylet
