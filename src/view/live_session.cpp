@@ -161,6 +161,7 @@ void LiveSession::offer(const LiveRun& run) {
   back_.number = ++n_frames_;
   back_.error = error_;
   back_.hand_stamp = stamp_;
+  back_.made_at = clock_seconds();
   back_.pace = pace_;
   back_.pace.step = run.step_length();
   const std::lock_guard lock(mutex_);

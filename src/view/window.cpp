@@ -96,7 +96,7 @@ class Window {
       glfwPollEvents();
       const bool is_new = session_.take(frame_);
       if (is_new && first_at_ == 0) {
-        first_at_ = clock_seconds();
+        first_at_ = frame_.made_at;
         first_time_ = frame_.time;
       }
       resize();
@@ -111,7 +111,7 @@ class Window {
       if (options_.seconds && now - start > *options_.seconds) break;
     }
     report_.seconds = clock_seconds() - start;
-    report_.real_time_factor = (frame_.time - first_time_) / (clock_seconds() - first_at_);
+    report_.real_time_factor = (frame_.time - first_time_) / (frame_.made_at - first_at_);
     report_.busy = frame_.pace.all_busy;
     return report_;
   }

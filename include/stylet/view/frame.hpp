@@ -115,6 +115,7 @@ struct Frame {
   bool replays = false;   ///< a recorded procedure moves the needle
   std::string notice;     ///< why an order was not obeyed, or what has changed; empty: nothing
   std::string error;      ///< the physics has stopped; empty: it runs
+  double made_at = 0;     ///< s of the clock
   double hand_stamp = 0;  ///< s of the clock, when what the last step obeyed was wanted
   Pace pace;
 };
