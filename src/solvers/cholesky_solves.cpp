@@ -62,16 +62,34 @@ STYLET_LANES void down(const Trapezoid& l, double* __restrict own, double* __res
 STYLET_LANES void up(const Trapezoid& l, double* __restrict own, const double* __restrict below) {
   const std::ptrdiff_t n = l.n_columns;
   const std::ptrdiff_t m = l.n_rows - n;
+  // The columns that follow a thousand doubles later stand so many back; fetched line by line, as the
+  // present ones are read.
+  const std::ptrdiff_t ahead = 2 * l.n_rows * (1 + far / (2 * l.n_rows));
   // Adds products of columns a and b with x.
-  const auto add = [](const double* a, const double* b, const double* x, std::ptrdiff_t size,
-                      double& of_a, double& of_b) STYLET_INNER {
+  const auto add = [ahead](const double* a, const double* b, const double* x, std::ptrdiff_t size,
+                           double& of_a, double& of_b) STYLET_INNER {
     Lanes sum_a{};
     Lanes sum_b{};
     std::ptrdiff_t i = 0;
-    for (; i + 4 <= size; i += 4) {
-      const Lanes values = load_lanes(x + i);
-      sum_a += load_lanes(a + i) * values;
-      sum_b += load_lanes(b + i) * values;
+    for (; i + 8 <= size; i += 8) {
+      __builtin_prefetch(a + i - ahead);
+      __builtin_prefetch(b + i - ahead);
+      const Lanes low = load_lanes(x + i);
+      sum_a += load_lanes(a + i) * low;
+      sum_b += load_lanes(b + i) * low;
+      const Lanes high = load_lanes(x + i + 4);
+      sum_a += load_lanes(a + i + 4) * high;
+      sum_b += load_lanes(b + i + 4) * high;
+    }
+    if (i < size) {
+      __builtin_prefetch(a + i - ahead);
+      __builtin_prefetch(b + i - ahead);
+    }
+    if (i + 4 <= size) {
+      const Lanes low = load_lanes(x + i);
+      sum_a += load_lanes(a + i) * low;
+      sum_b += load_lanes(b + i) * low;
+      i += 4;
     }
     of_a += sum_of(sum_a);
     of_b += sum_of(sum_b);
@@ -93,7 +111,6 @@ STYLET_LANES void up(const Trapezoid& l, double* __restrict own, const double* _
     j -= 2;
     const double* const a = l.values + j * l.n_rows;
     const double* const b = a + l.n_rows;
-    fetch(a, l.n_rows, -far);
     double of_a = 0;
     double of_b = 0;
     add(a + j + 2, b + j + 2, own + j + 2, n - j - 2, of_a, of_b);

@@ -217,6 +217,30 @@ void solve(benchmark::State& state) {
   state.counters["near"] = static_cast<double>(near.size());
 }
 
+void count_bytes(benchmark::State& state, double bytes) {
+  state.counters["GB/s"] =
+      benchmark::Counter(1e-9 * bytes, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["MB"] = 1e-6 * bytes;
+}
+
+// The two triangular solves of a whole step apart.
+void forward(benchmark::State& state) {
+  const Tissue on = make(state);
+  Factored a(on);
+  const OwnedVec b = ones(*on.tissue);
+  for (auto _ : state) a.factor.load(b.get());
+  count_bytes(state, a.factor.bytes());
+}
+void backward(benchmark::State& state) {
+  const Tissue on = make(state);
+  Factored a(on);
+  const OwnedVec b = ones(*on.tissue);
+  OwnedVec x = on.tissue->make_vector();
+  a.factor.load(b.get());
+  for (auto _ : state) a.factor.respond({}, {}, true, x.get());
+  count_bytes(state, a.factor.bytes());
+}
+
 // Ten of them at all of the path.
 void columns(benchmark::State& state) {
   const Tissue on = make(state);
@@ -249,6 +273,8 @@ void register_all() {
   sizes(RegisterBenchmark("edit", edit), {0, 2, 3, 5});
   sizes(RegisterBenchmark("factor", factor), {0, 2, 3});
   sizes(RegisterBenchmark("solve", solve), {0, 2, 3, 5});
+  sizes(RegisterBenchmark("forward", forward), {0, 2, 3, 4, 5});
+  sizes(RegisterBenchmark("backward", backward), {0, 2, 3, 4, 5});
   sizes(RegisterBenchmark("columns", columns), {0, 2, 3, 5});
 }
 

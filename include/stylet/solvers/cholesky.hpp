@@ -29,6 +29,11 @@ class Cholesky {
   /// Collective. Throws NumericalError if A is singular or indefinite.
   void factor(Mat a);
 
+  /// Of L on this rank.
+  [[nodiscard]] double bytes() const {
+    return l_ == nullptr ? 0 : 8.0 * static_cast<double>(l_->xsize);
+  }
+
   /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
                                                     std::span<const int> columns);
