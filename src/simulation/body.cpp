@@ -81,7 +81,7 @@ void Body::renew_tissue() {
   tissue_->change(mesh(), scene_.tissue);
   integrator_->renewed(mesh());
   ledger_.changed(ledger_.conserved(integrator_->energy(state_), *tissue_, state_) - before);
-  renewed_ = true;
+  renewed_ = state_.t > 0;  // else the run begins with it
 }
 
 const State& Body::state() const {

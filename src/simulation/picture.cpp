@@ -38,7 +38,7 @@ Picture file_picture(const Scene& scene, const Box& tissue) {
   try {
     const std::string path = path_in(scene, image.file);
     picture = read_picture(path, read_file(path));
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
     refuse_key(scene, "image.file", error.what());
   }
   picture.origin = *image.origin;

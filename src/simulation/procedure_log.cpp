@@ -26,6 +26,13 @@ ProcedureLog::ProcedureLog(const Scene& scene, const std::string& folder)
   put("# A procedure as it happened; scene.yaml beside it runs it again.\n");
 }
 
+ProcedureLog::~ProcedureLog() {
+  try {
+    flush();
+  } catch (const IoError&) {  // was told of before, or loses the last second
+  }
+}
+
 void ProcedureLog::step(double speed, double h) {
   if (steps_.steps > 0 && steps_.speed != speed) flush();
   steps_.speed = speed;

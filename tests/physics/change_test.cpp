@@ -58,7 +58,7 @@ TEST(Change, TwiceTheStiffnessHalvesTheDisplacement) {
   pass(simulation, 2);
   const double soft = sag(simulation);
   const double strain = simulation.energies().strain;
-  EXPECT_LT(soft, -1e-3);
+  EXPECT_LT(soft, -1e-4);
   EXPECT_TRUE(stiffen(simulation, 40e3));
   EXPECT_EQ(sag(simulation), soft);  // between steps nothing moves
   EXPECT_NEAR(simulation.energies().strain, 2 * strain, 1e-10 * strain);
@@ -95,7 +95,7 @@ TEST_P(DynamicChange, KeepsTheBalanceOfEnergy) {
   const Energies after = simulation.energies();
   const double added = after.external - before.external;
   EXPECT_NEAR(after.strain, 3 * before.strain, 1e-9 * before.strain);
-  EXPECT_EQ(after.kinetic, before.kinetic);
+  EXPECT_NEAR(after.kinetic, before.kinetic, 1e-9 * before.kinetic);
   const bool is_explicit = simulation.scene().time.method == TimeMethod::explicit_newmark;
   // Central difference conserves kinetic and strain energy less h^2/8 a M a.
   EXPECT_NEAR(added, 2 * before.strain, (is_explicit ? 0.1 : 1e-9) * before.strain);
@@ -110,24 +110,33 @@ TEST_P(DynamicChange, KeepsTheBalanceOfEnergy) {
   EXPECT_LE(simulation.body().ledger().worst_excess(), 0.05);
 }
 
-// Seen from afar all methods move the strip alike, before and after.
-TEST_P(DynamicChange, MovesAsTheFinestSteps) {
-  const auto path = [](const std::string& time) {
-    Simulation simulation(MPI_COMM_WORLD, scene_of(strip + time, {"time.step=0.2 ms"}), false);
-    pass(simulation, 200);
-    stiffen(simulation, 60e3);
-    std::vector<double> places;
-    for (int i = 0; i < 10; ++i) {
-      pass(simulation, 25);
-      places.push_back(sag(simulation));
-    }
-    return places;
-  };
-  const auto reference = path(average);
-  const auto places = path(GetParam());
-  const double size = -*std::ranges::min_element(reference);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    EXPECT_NEAR(places[i], reference[i], 0.05 * size) << i;
+TEST_P(DynamicChange, BeforeTheFirstStepIsAnotherScene) {
+  const std::vector<std::string> stiff{"tissue.regions.upper.youngs_modulus=60 kPa",
+                                       "tissue.regions.lower.youngs_modulus=60 kPa"};
+  Simulation changed(MPI_COMM_WORLD, scene_of(strip + GetParam()), false);
+  stiffen(changed, 60e3);
+  Simulation made(MPI_COMM_WORLD, scene_of(strip + GetParam(), stiff), false);
+  for (int i = 0; i < 5; ++i) {
+    pass(changed, 20);
+    pass(made, 20);
+    EXPECT_NEAR(sag(changed), sag(made), 1e-9 * std::abs(sag(made))) << i;
+  }
+}
+
+// The steps after a change of stiffness are damped where the scheme keeps waves.
+TEST_P(DynamicChange, ThereAndBackIsNone) {
+  Simulation changed(MPI_COMM_WORLD, scene_of(strip + GetParam()), false);
+  Simulation plain(MPI_COMM_WORLD, scene_of(strip + GetParam()), false);
+  const bool keeps_waves = plain.scene().time.method == TimeMethod::implicit_newmark &&
+                           plain.scene().time.scheme != ImplicitScheme::backward_euler;
+  double most = 0;
+  for (int i = 0; i < 5; ++i) {
+    pass(changed, 20);
+    pass(plain, 20);
+    most = std::max(most, std::abs(sag(plain)));
+    EXPECT_NEAR(sag(changed), sag(plain), (keeps_waves ? 0.02 : 1e-9) * most) << i;
+    stiffen(changed, 60e3);
+    stiffen(changed, 20e3);
   }
 }
 
@@ -168,12 +177,18 @@ TEST(Change, OfFrictionIsTheForceOfTheShaft) {
   Simulation simulation(MPI_COMM_WORLD, reference_scene(), false);
   StepRecord step;
   while (simulation.time() < 1.2) step = simulation.step();
-  const double before = step.needle.forces.friction;
   ASSERT_EQ(step.needle.n_stick, 0);
+  // All of the shaft slides, at so much a metre.
+  const double length = step.needle.forces.friction / 130;
+  const double path = simulation.needle()->path_length();
   simulation.change("needle.friction.kinetic_force", 65);
   simulation.change("needle.friction.static_force", 97.5);
-  for (int i = 0; i < 20; ++i) step = simulation.step();
-  EXPECT_NEAR(step.needle.forces.friction / before, 0.5, 0.2);
+  int steps = 0;
+  do step = simulation.step();
+  while (step.needle.n_stick > 0 && ++steps < 70);
+  ASSERT_EQ(step.needle.n_stick, 0);
+  const double now = length + simulation.needle()->path_length() - path;
+  EXPECT_NEAR(step.needle.forces.friction, 65 * now, 1e-9);
 }
 
 TEST(Change, ThatIsNotAllowedIsRefusedAndChangesNothing) {

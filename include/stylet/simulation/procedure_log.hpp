@@ -18,6 +18,9 @@ class ProcedureLog {
   /// Writes scene.yaml and an empty procedure.yaml into an existing folder. scene: of the simulation
   /// with the live hand, as it was given to it. Throws IoError.
   ProcedureLog(const Scene& scene, const std::string& folder);
+  ProcedureLog(const ProcedureLog&) = delete;
+  ProcedureLog& operator=(const ProcedureLog&) = delete;
+  ~ProcedureLog();
 
   /// Of the tip (m/s), in a step of h (s).
   void step(double speed, double h);
