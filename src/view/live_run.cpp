@@ -150,7 +150,10 @@ NeedleParameters LiveRun::next_needle() const {
 
 void LiveRun::choose_height(double height) {
   if (in_tissue() || height == height_) return;
-  if (has_entered_) outside_ = tip();
+  if (has_entered_) {
+    outside_ = tip();
+    if (speed_ != 0) record(0.0);  // it stays behind
+  }
   has_entered_ = false;
   height_ = height;
   Approach approach = approach_of(*simulation_, next_needle());

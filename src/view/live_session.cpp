@@ -127,6 +127,9 @@ bool LiveSession::step(LiveRun& run) {
   } catch (const NumericalError& error) {
     error_ = error.what();
     return false;
+  } catch (const InputError& error) {
+    error_ = error.what();
+    return false;
   }
   const double took = clock_seconds() - start;
   stepping_ += took;

@@ -66,6 +66,9 @@ void forces(const Frame& frame) {
   row("tip", "%.2f N%s", frame.tip_force, frame.needle.at_membrane ? " at the capsule" : "");
   row("shaft", "%.2f N", frame.shaft_force);
   row("largest so far", "%.2f N", frame.peak_force);
+  if (frame.inverted > 0) {
+    ImGui::TextColored(warning, "beyond small strain: %d triangles turned over", frame.inverted);
+  }
   row("shaft points", "%d stick, %d slide", frame.n_stick, frame.n_slip);
   const float height = 5 * ImGui::GetFontSize();
   draw_plot("N", frame.history,
@@ -129,7 +132,7 @@ void sliders(const Frame& frame, Wishes& wishes) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextUnformatted(
         (short_name(parameter.key) + (parameter.new_operator ? " *" : "")).c_str());
-    ImGui::SameLine(0.45F * ImGui::GetWindowWidth());
+    ImGui::SameLine(0.55F * ImGui::GetWindowWidth());
     ImGui::SetNextItemWidth(-1);
     ImGui::SliderFloat(("##" + parameter.key).c_str(), &value,
                        static_cast<float>(parameter.low / factor),

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace stylet {
@@ -127,6 +128,57 @@ TEST(LiveRun, ASecondNeedleAtAnotherHeight) {
   ASSERT_EQ(run.simulation().seeds().size(), 2U);
   EXPECT_EQ(run.simulation().seeds()[1].needle, "needle2");
   EXPECT_EQ(run.simulation().seeds()[1].target, "seed");  // the only one
+}
+
+TEST(LiveRun, ANeedleLeftBehindStaysOutside) {
+  LiveRun run(MPI_COMM_WORLD, reference({"time.method=quasi_static"}));
+  push_to(run, 0.065);
+  run.want(Push{run.height(), -0.02});
+  while (run.in_tissue()) run.step();
+  for (int i = 0; i < 20; ++i) run.step();
+  run.want(Push{run.height(), 0.02});  // back in, but
+  run.step();
+  ASSERT_FALSE(run.in_tissue());
+  run.want(Push{0.027, 0.02});  // another one first
+  for (int i = 0; i < 200; ++i) run.step();
+  EXPECT_TRUE(run.in_tissue());
+  EXPECT_EQ(run.simulation().needle()->parameters().name, "needle2");
+}
+
+TEST(LiveRun, ANumberChangesForThisNeedleAndTheNext) {
+  LiveRun run(MPI_COMM_WORLD, reference({"time.method=quasi_static"}));
+  const auto value = [&](const std::string& key) {
+    const auto all = run.parameters();
+    return std::ranges::find(all, key, &Changeable::key)->value;
+  };
+  run.change("needle.cutting.sharpness", 0.5);  // none has entered
+  EXPECT_EQ(value("needle.cutting.sharpness"), 0.5);
+  push_to(run, 0.06);
+  EXPECT_EQ(run.simulation().needle()->parameters().cutting.sharpness, 0.5);
+  run.change("needle.cutting.sharpness", 0.8);
+  EXPECT_EQ(run.simulation().needle()->parameters().cutting.sharpness, 0.8);
+  run.change("tissue.regions.prostate.youngs_modulus", 3e4);
+  EXPECT_EQ(value("tissue.regions.prostate.youngs_modulus"), 3e4);
+  run.change("needle.cutting.sharpness", 7);
+  EXPECT_THAT(run.notice(), testing::HasSubstr("needle.cutting.sharpness"));
+  EXPECT_EQ(value("needle.cutting.sharpness"), 0.8);
+  run.restart();  // as the scene has it
+  EXPECT_EQ(value("needle.cutting.sharpness"), 1);
+  EXPECT_EQ(value("tissue.regions.prostate.youngs_modulus"), 6e4);
+}
+
+TEST(LiveRun, AnUndoneChangeIsNoMore) {
+  LiveRun run(MPI_COMM_WORLD, reference({"time.method=quasi_static"}));
+  push_to(run, 0.06);
+  run.change("tissue.regions.prostate.youngs_modulus", 3e4);
+  push_to(run, 0.055);
+  const auto before = displacements(run);
+  run.seed();
+  run.change("tissue.regions.prostate.youngs_modulus", 9e4);
+  push_to(run, 0.05);
+  run.undo();
+  EXPECT_EQ(displacements(run), before);
+  EXPECT_EQ(run.simulation().scene().tissue.regions[0].material.youngs_modulus, 3e4);
 }
 
 TEST(LiveRun, HeightsStayWhileTheNeedleIsIn) {

@@ -1,6 +1,6 @@
 // Hands that do what no plan would: push, pull and hold at random, at random heights, leave seeds, change
-// numbers, undo. Ends with 1 if any of them meets an error, a triangle without area, or makes the program
-// grow.
+// numbers, undo. Where the mesh bears no further cut the simulation says so and stops; that is undone and
+// counted. Ends with 1 if any hand meets another error, or one that an undo does not mend.
 //
 // usage: random_hands SCENE [--method NAME] [--hands N] [--seconds T] [--first N] [--set KEY=VALUE]
 #include "stylet/base/errors.hpp"
@@ -36,8 +36,13 @@ struct Outcome {
   int changes = 0;
   int inverted_deformed = 0;  ///< most at a time
   double worst_quality = 1;
+  int stops = 0;  ///< where the mesh bears no further cut
   std::string error;
 };
+
+bool is_limit_of_mesh(const std::string& message) {
+  return message.find("refine the mesh") != std::string::npos;
+}
 
 /// Resident set (kB).
 long memory() {
@@ -61,9 +66,13 @@ class Hand {
       was_in_ = run_.in_tissue();
       try {
         run_.step();
-      } catch (const Error& error) {
+      } catch (const NumericalError& error) {
         outcome.error = error.what();
-        break;
+        if (!is_limit_of_mesh(outcome.error) || !run_.undo()) break;
+        outcome.error.clear();
+        ++outcome.stops;
+        next_ = 0;
+        continue;
       }
       ++outcome.steps;
       outcome.worst_quality =
@@ -152,11 +161,11 @@ int program(const Asked& asked) {
     const bool bad = !outcome.error.empty();
     if (bad) ++failed;
     std::printf(
-        "hand %d: %ld steps, %zu seeds, %d changes, %d undos, quality %.3f, deformed "
+        "hand %d: %ld steps, %zu seeds, %d changes, %d undos, %d stops, quality %.3f, deformed "
         "inversions %d, %ld MB%s%s\n",
         seed, outcome.steps, run.simulation().seeds().size(), outcome.changes, outcome.undos,
-        outcome.worst_quality, outcome.inverted_deformed, sizes.back() / 1000, bad ? ": " : "",
-        outcome.error.c_str());
+        outcome.stops, outcome.worst_quality, outcome.inverted_deformed, sizes.back() / 1000,
+        bad ? ": " : "", outcome.error.c_str());
     std::fflush(stdout);
   }
   std::printf("%d of %d hands failed; memory %ld kB after the first, %ld kB after the last\n",
