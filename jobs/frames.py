@@ -26,7 +26,7 @@ EXAMPLES = """examples:
   jobs/frames.py out/prostate
   jobs/frames.py out/prostate --field von_mises --every 5 --dpi 150
   jobs/frames.py out/prostate --no-gif
-  jobs/frames.py out/prostate --field image   # the scene's picture, as the tissue deforms it
+  jobs/frames.py out/prostate --field image
 """
 
 CM = 100.0  # metres to centimetres
