@@ -16,7 +16,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME stylet)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS
     "openmpi-bin, python3-numpy, python3-h5py, python3-matplotlib, python3-pil")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-openturns, paraview")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-openturns, paraview, libgl1-mesa-dri, fonts-dejavu-core")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "needle insertion into soft tissue
 Stylet simulates how a needle deforms and cuts soft tissue and where the seeds
 that it leaves there end up: finite elements in the plane, on one or many ranks.")

@@ -14,7 +14,7 @@ namespace stylet {
 namespace {
 
 // More than this is not made up for after a pause of the machine: the needle would leap.
-constexpr double most_behind = 0.1;           // s
+constexpr double most_behind = 0.25;          // s
 constexpr double between_frames = 1.0 / 120;  // s
 constexpr double stretch = 0.5;               // s, over which the pace is measured
 
@@ -134,7 +134,7 @@ bool LiveSession::step(LiveRun& run) {
   const double took = clock_seconds() - start;
   stepping_ += took;
   all_stepping_ += took;
-  longest_ = std::max(longest_, took);
+  pace_.all_longest = std::max(pace_.all_longest, took);
   simulated_ += run.last_step().h;
   sub_steps_ += run.last_step().sub_steps;
   ++steps_;
@@ -148,9 +148,8 @@ void LiveSession::measure(double now) {
   pace_.real_time_factor = simulated_ / passed;
   pace_.busy = stepping_ / passed;
   pace_.sub_steps = steps_ > 0 ? static_cast<double>(sub_steps_) / static_cast<double>(steps_) : 0;
-  pace_.longest_step = longest_;
   since_ = now;
-  simulated_ = stepping_ = longest_ = 0;
+  simulated_ = stepping_ = 0;
   sub_steps_ = steps_ = 0;
 }
 

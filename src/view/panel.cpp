@@ -99,6 +99,7 @@ void pace_of(const Frame& frame, const DrawingPace& drawing, bool paused) {
     row("real time", "%s", "stands still");
   } else if (pace.real_time_factor < slow) {
     ImGui::TextColored(warning, "slower than real time: %.2f x", pace.real_time_factor);
+    if (frame.method != "quasi_static") ImGui::TextUnformatted("quasi_static is quicker (M)");
   } else {
     row("real time", "%.2f x", pace.real_time_factor);
   }

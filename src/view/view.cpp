@@ -45,9 +45,9 @@ void open_window(MPI_Comm comm, LiveOptions live, const ViewOptions& options) {
   if (options.seconds <= 0) return;
   std::printf(
       "%.1f frames a second, real-time factor %.3f, steps take %.1f %% of the time, "
-      "hand to picture %.1f ms\n",
+      "longest step %.0f ms, hand to picture %.1f ms\n",
       static_cast<double>(report.frames) / report.seconds, report.real_time_factor,
-      100 * report.busy, 1e3 * report.delay);
+      100 * report.busy, 1e3 * report.longest, 1e3 * report.delay);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ struct Pace {
   double busy = 0;              ///< share of the clock's time that the steps take, lately
   double sub_steps = 0;         ///< of a step of the scene, lately
   double step = 0;              ///< s, of the scene
-  double longest_step = 0;      ///< s of the clock, of a step of the scene, lately
+  double all_longest = 0;       ///< s of the clock, of any step since the start
   double all_busy = 0;          ///< as busy, since the start
   double lost = 0;              ///< s of the clock that were not made up for, in all
 };

@@ -84,7 +84,6 @@ class LiveSession {
   double since_ = 0;         ///< start of the present stretch of measurement (s)
   double simulated_ = 0;     ///< in it (s)
   double stepping_ = 0;      ///< s
-  double longest_ = 0;       ///< s
   long long sub_steps_ = 0;
   long steps_ = 0;
   std::uint64_t n_frames_ = 0;

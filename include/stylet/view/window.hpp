@@ -23,7 +23,8 @@ struct WindowReport {
   double seconds = 0;
   double delay = 0;  ///< s, mean, from the hand to the picture
   double real_time_factor = 0;
-  double busy = 0;
+  double busy = 0;     ///< share of the time that steps took
+  double longest = 0;  ///< s, of a step
 };
 
 /// Until it is closed. Throws Error where no window can be opened.
