@@ -78,7 +78,7 @@ class Procedure(CliTest):
             self.write("rows.yaml", rows)
             self.assert_refused(self.stylet(*verb, "scene.yaml"), *parts)
 
-        refuse("rows.yaml:6:", "speed", rows=ROWS.replace("-0.04 m/s", "-0.04"))
+        refuse("rows.yaml:7:", "speed", rows=ROWS.replace("-0.04 m/s", "-0.04"))
         refuse("rows.yaml", "has no rows", rows="# nothing yet\n")
         refuse("key 'hand.courage'", rows=ROWS.replace("tissue.regions.gland.youngs_modulus",
                                                        "hand.courage"))
@@ -105,7 +105,7 @@ class Image(CliTest):
 
     def test_refusals(self):
         (self.folder / "black.png").write_bytes(png(30, 20))
-        (self.folder / "torn.png").write_bytes(png(30, 20)[:60])
+        (self.folder / "torn.png").write_bytes(png(30, 20)[:48])
         self.write("text.png", "no picture")
         place = ", origin: [1 cm, 1 cm], size: [3 cm, 2 cm]}\n"
         for name, parts in (("black.png", ()), ("torn.png", ("torn.png", "PNG")),

@@ -113,6 +113,7 @@ class RecordedProcedure : public testing::TestWithParam<std::string> {
     pass(60);
     hand.change("tissue.regions.gland.youngs_modulus", 80e3);
     hand.change("needle.cutting.cutting_force", 1.5);
+    hand.change("hand.speed_limit", 0.1);
     if (scene.time.method != TimeMethod::quasi_static)
       hand.change("tissue.damping.mass_factor", 20);
     hand.move(0.0173);

@@ -5,6 +5,9 @@
 #include "stylet/simulation/hand.hpp"
 
 #include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace stylet {
@@ -21,6 +24,10 @@ class Recorded : public Hand {
   void entered(double skin, double at_rest) override;
   void implanted() override { obeyed(); }
   void changed() override { obeyed(); }
+  /// A limit that was set is in the speeds of the rows.
+  [[nodiscard]] std::optional<double> speed_limit() const override {
+    return std::numeric_limits<double>::infinity();
+  }
   void stepped(const NeedleStep& step, const StepOutcome& outcome) override;
 
  private:
