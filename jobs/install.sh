@@ -21,7 +21,7 @@ case "${1-}" in
   --studies) packages+=(python3-openturns) ;;   # Sobol indices
   --slurm) packages+=(slurm-wlm munge) ;;        # for tests/slurm
   --fuzz) packages+=(clang-14 libclang-rt-14-dev libomp-14-dev) ;;   # for jobs/fuzz.sh
-  --package) packages+=(dpkg-dev file debootstrap) ;;   # for jobs/bare.sh
+  --package) packages+=(dpkg-dev file debootstrap lintian) ;;   # for jobs/bare.sh
   *) echo "install.sh: unknown argument '$1'; allowed: --tests, --view, --studies, --slurm, --fuzz, --package" >&2; exit 2 ;;
 esac
 

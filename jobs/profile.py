@@ -22,13 +22,13 @@ SPEED = 0.02  # m/s, of the needle
 PARTS = {
     "explicit": {
         "stylet::step": "K u and the fields, one pass",
-        "stylet::EnergyLedger::measure": "energies, every 1/8 edge",
+        "stylet::ExplicitNewmark::energy": "energies, every 1/8 edge",
         "stylet::ExplicitNewmark::apply": "contacts and supports",
-        "stylet::Simulation::edit_for_needle": "edits: mesh, K, M, stable step",
+        "stylet::Body::apply": "edits: mesh, rows of K, stable step",
         "stylet::Needle::plan": "needle: plan of edits",
         "stylet::Needle::constraints": "needle: constraints",
         "stylet::Needle::review": "needle: contact laws",
-        "stylet::Simulation::sub_step": "step",
+        "stylet::take_step": "step",
     },
     "implicit": {
         "stylet::NearField::factor": "factor, once",
@@ -37,8 +37,8 @@ PARTS = {
         "stylet::Cholesky::respond": "backward solve",
         "stylet::EnergyLedger::measure": "energies",
         "stylet::ImplicitNewmark::attempt": "trials, condensed",
-        "stylet::Simulation::edit_for_needle": "edits: mesh, K, M",
-        "stylet::Simulation::sub_step": "step",
+        "stylet::Body::apply": "edits: mesh, K, M",
+        "stylet::take_step": "step",
     },
 }
 

@@ -2,6 +2,7 @@
 
 #include "stylet/app/stored_accuracy.hpp"
 #include "stylet/base/errors.hpp"
+#include "stylet/base/memory.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
 #include "stylet/petsc/agree.hpp"
@@ -11,9 +12,11 @@
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
 #include "stylet/simulation/picture.hpp"
+#include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/solvers/modes.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <optional>
@@ -85,6 +88,14 @@ int modes_verb(const SceneArguments& arguments, int n) {
   if (n < 1 || n > n_free) {
     throw InputError("modes: " + std::to_string(n) + " modes asked for; this scene has 1 to " +
                      std::to_string(n_free));
+  }
+  // Two vectors of its Krylov space for each mode, shared by the ranks.
+  const double bytes = 2.0 * n * tissue->n_dofs() * sizeof(double);
+  if (bytes > memory_here()) {
+    throw InputError("modes: " + std::to_string(n) + " modes of " + std::to_string(n_free) +
+                     " unknowns need about " + brief(std::ceil(1e-9 * bytes)) +
+                     " GB of memory; allowed here: up to " +
+                     brief(std::floor(n * memory_here() / bytes)));
   }
   const auto frequencies = natural_frequencies(*tissue, held, n);
   check_unused_options();

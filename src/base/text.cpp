@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 
@@ -53,6 +54,11 @@ std::string ten_digits(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.10g", value);
   return text.data();
+}
+
+double cleared(double value, double size) {
+  constexpr double round_off = 1e-12;
+  return std::abs(value) <= round_off * size ? 0 : value;
 }
 
 Path parse_path(std::string_view text, char end) {

@@ -51,7 +51,7 @@ std::vector<int> CondensedIntegrator::dofs_of(const ConstraintSet& constraints) 
 
 void CondensedIntegrator::push(const ConstraintSet& constraints, std::span<const double> change) {
   extra_.assign(change.begin(), change.end());
-  extra_.resize(near_.dofs().size(), 0.0);
+  extra_.resize(near_.coordinates().size(), 0.0);
   for (const auto& [dof, force] : constraints.forces) {
     if (!near_.eliminated(dof)) extra_[near_.at(dof)] += force;
   }
@@ -59,10 +59,7 @@ void CondensedIntegrator::push(const ConstraintSet& constraints, std::span<const
 
 void CondensedIntegrator::take_extra(Vec residual, std::span<const double> extra) const {
   Entries r(residual);
-  for (std::size_t i = 0; i < extra.size(); ++i) {
-    const int dof = near_.dofs()[i];
-    if (r.owns(dof)) r[dof] -= extra[i];
-  }
+  for (std::size_t i = 0; i < extra.size(); ++i) near_.subtract(i, extra[i], r);
 }
 
 void CondensedIntegrator::collect_reactions(Vec residual) {
@@ -73,7 +70,7 @@ void CondensedIntegrator::collect_reactions(Vec residual) {
     if (left.owns(c.dof)) reaction[c.dof] = left[c.dof];
   }
   for (const auto& g : given_) {
-    const int dof = near_.dofs()[g.at];
+    const int dof = near_.coordinates()[g.at];
     if (left.owns(dof)) reaction[dof] = solution_.reaction[g.at];
   }
 }

@@ -29,7 +29,8 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
       damping_(tissue.damping().value_or(RayleighDamping{})),
       bound_(tissue),
       cells_(mesh, tissue) {
-  for (OwnedVec* vec : {&u_, &v_, &a_, &needed_, &working_, &settled_, &work_}) {
+  for (OwnedVec* vec :
+       {&u_, &v_, &a_, &needed_, &working_, &settled_, &work_, &increment_, &half_velocity_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
   }
@@ -54,32 +55,14 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   check(TSSetMaxTime(ts_.get(), PETSC_MAX_REAL));
   check(TSSetExactFinalTime(ts_.get(), TS_EXACTFINALTIME_STEPOVER));
   set_step(ts_.get(), [this](double h, Vec u, Vec v) { advance(h, u, v); });
-  check(TSSetFromOptions(ts_.get()));
-  check(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
+  check_options(TSSetFromOptions(ts_.get()));
+  check_options(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
 }
 
 // With the kernel's ghosts.
 void ExplicitNewmark::make_room() {
   stretched_ = cells_.make_ghosted();
   if (size_of(tissue_.comm()) > 1) force_.resize(2 * cells_.kernel().nodes().n_all());
-}
-
-StoredEnergy ExplicitNewmark::energy(const State& state) {
-  cells_.stiffness(state.u.get(), work_.get());
-  double twice[2] = {0, 0};
-  {
-    const Values u(state.u.get());
-    const Values v(state.v.get());
-    const Values force(work_.get());
-    for (std::size_t i = 0; i < 2 * node_mass_.size(); ++i) {
-      twice[0] += node_mass_[i / 2] * v.data()[i] * v.data()[i];
-      twice[1] += u.data()[i] * force.data()[i];
-    }
-  }
-  if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, twice, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
-  }
-  return {0.5 * twice[0], 0.5 * twice[1]};
 }
 
 double ExplicitNewmark::stable_step() const {
@@ -122,19 +105,13 @@ void ExplicitNewmark::accelerate_again(std::span<const int> rows, std::span<cons
         a[row] = 0;
         continue;
       }
-      PetscInt n = 0;
-      const PetscInt* column = nullptr;
-      const PetscScalar* values = nullptr;
-      check(MatGetRow(tissue_.stiffness(), row, &n, &column, &values));
       double force = load[row];
       auto at = dofs.begin();
-      for (PetscInt j = 0; j < n; ++j) {
-        if (values[j] == 0) continue;  // room for flips
-        at = std::lower_bound(at, dofs.end(), column[j]);
+      tissue_.along_row(row, [&](int column, double value) {
+        at = std::lower_bound(at, dofs.end(), column);
         const auto k = static_cast<std::size_t>(at - dofs.begin());
-        force -= values[j] * (fields[0][k] + damping_.stiffness_factor * fields[1][k]);
-      }
-      check(MatRestoreRow(tissue_.stiffness(), row, &n, &column, &values));
+        force -= value * (fields[0][k] + damping_.stiffness_factor * fields[1][k]);
+      });
       const auto own = std::ranges::lower_bound(dofs, row) - dofs.begin();
       force -= damping_.mass_factor * mass[row] * fields[1][static_cast<std::size_t>(own)];
       for (const auto& contact : contact_) {
@@ -237,7 +214,7 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   const Multipliers multipliers = apply(constraints);
   double works[3] = {placing_work_ + blow_work_, damping_work_, load_work_};
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, works, 3, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, works, 3, MPI_DOUBLE, MPI_SUM, tissue_.comm());
   }
   trial_ = {};
   trial_.u = u_.get();
@@ -248,6 +225,7 @@ Trial ExplicitNewmark::attempt(const ConstraintSet& constraints, bool edited) {
   trial_.blow_work = works[0];
   trial_.damping_work = works[1];
   trial_.load_work = works[2];
+  trial_.swing_time = 0.5 * h_;
   return trial_;
 }
 
@@ -340,7 +318,7 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
       sums[3] += weight * weight * mobility(dof);
     }
     if (size_of(tissue_.comm()) > 1) {
-      check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+      MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm());
     }
     if (!(sums[3] > 0)) throw_all_held();
     const double steady = -sums[2] / sums[3];
@@ -366,6 +344,21 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
   }
   std::ranges::reverse(overridden_);
   return multipliers;
+}
+
+// Stiffness is damped at the velocity of the half step before the forces.
+Trial ExplicitNewmark::finish(bool) {
+  if (damping_.stiffness_factor == 0) return trial_;
+  check(VecWAXPY(increment_.get(), -1, state_->u.get(), u_.get()));
+  cells_.stiffness(increment_.get(), work_.get());
+  PetscScalar now = 0;
+  PetscScalar before = 0;
+  check(VecDot(increment_.get(), work_.get(), &now));
+  check(VecDot(half_velocity_.get(), work_.get(), &before));
+  trial_.damping_work += damping_.stiffness_factor * 0.5 * (now / h_ + before);
+  check(VecCopy(increment_.get(), half_velocity_.get()));
+  check(VecScale(half_velocity_.get(), 1 / h_));
+  return trial_;
 }
 
 void ExplicitNewmark::accept() {

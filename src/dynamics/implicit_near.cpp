@@ -9,19 +9,18 @@
 
 namespace stylet {
 
-// Predictors of dofs that became near.
+// Predictors of what became near.
 void ImplicitNewmark::refresh_near() {
-  const std::span<const int> dofs = near_.dofs();
   const Vec vectors[2] = {u_guess_.get(), v_guess_.get()};
-  if (dofs.size() == u_near_.size()) return;
-  const auto values = gather(vectors, dofs.subspan(u_near_.size()));
+  if (near_.coordinates().size() == u_near_.size()) return;
+  const auto values = near_.values(vectors, u_near_.size());
   u_near_.insert(u_near_.end(), values[0].begin(), values[0].end());
   v_near_.insert(v_near_.end(), values[1].begin(), values[1].end());
-  change_.resize(dofs.size(), 0.0);
+  change_.resize(near_.coordinates().size(), 0.0);
 }
 
-void ImplicitNewmark::watch(std::span<const int> nodes) {
-  watched_ = stylet::dofs_of(nodes);
+void ImplicitNewmark::watch(std::span<const int> coordinates) {
+  watched_.assign(coordinates.begin(), coordinates.end());
   if (!fresh_) near_.include(watched_);  // else once the operator is made
 }
 
@@ -88,8 +87,8 @@ void ImplicitNewmark::predict_edited() {
     }
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()),
-                            MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()), MPI_DOUBLE, MPI_SUM,
+                  tissue_.comm());
   }
   for (std::size_t i = 0; i < dofs.size(); ++i) {
     if (near_.eliminated(dofs[i])) continue;
@@ -236,17 +235,16 @@ void ImplicitNewmark::store_energy() {
     }
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm());
   }
   stored_ = {0.5 * sums[1], 0.5 * sums[0]};
-  trial_.all_damping_work =
-      (damping.stiffness_factor * sums[2] + damping.mass_factor * sums[3]) / h_;
+  trial_.damping_work = (damping.stiffness_factor * sums[2] + damping.mass_factor * sums[3]) / h_;
 }
 
 Trial ImplicitNewmark::finish(bool) {
   complete_near();
   trial_ = at_end(u_.get(), v_.get(), {reaction_.get(), solution_.lambda});
-  trial_.only_end = damps_at_once();
+  trial_.end_weight = end_weight();
   if (has_blow_) settle();
   store_energy();
   return trial_;

@@ -196,7 +196,7 @@ void ImplicitNewmark::hold() {
     size[1] = std::max(size[1], std::abs(v[c.dof] + speed() * value));
   }
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, size, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, size, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm());
   }
   held_move_ = size[0] != 0;
   fastest_ = std::max(fastest_, size[1]);
@@ -220,10 +220,18 @@ Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   trial_ = attempt_near(constraints);
   has_blow_ = begins;
   if (has_blow_) take_off_blow(constraints);
-  trial_.only_end = damps_at_once();
+  trial_.end_weight = end_weight();
   trial_.iterations = near_.take_iterations();
   fresh_ = false;
   return trial_;
+}
+
+EnergyRules ImplicitNewmark::energy_rules() const {
+  EnergyRules rules;
+  rules.advice = keeps_products()
+                     ? "a smaller time.step, or a finer mesh"
+                     : "a smaller time.step, or time.scheme backward_euler, which damps waves";
+  return rules;
 }
 
 void ImplicitNewmark::accept() {

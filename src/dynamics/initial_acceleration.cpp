@@ -14,7 +14,7 @@ void initial_acceleration(const TissueOperator& tissue,
   OwnedVec work = tissue.make_vector();
   const auto damping = tissue.damping().value_or(RayleighDamping{});
   check(VecWAXPY(work.get(), damping.stiffness_factor, state.v.get(), state.u.get()));
-  check(MatMult(tissue.stiffness(), work.get(), rhs.get()));
+  tissue.apply_stiffness(work.get(), rhs.get());
   tissue.apply_mass(state.v.get(), work.get());
   check(VecAXPY(rhs.get(), damping.mass_factor, work.get()));
   check(VecAYPX(rhs.get(), -1, load));

@@ -109,15 +109,15 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
   complete_displacement();
   near_.include(dofs);
   const Vec vectors[1] = {state_->u.get()};
-  const auto values = gather(vectors, std::span(near_.dofs()).subspan(start_.size()))[0];
+  const auto values = near_.values(vectors, start_.size())[0];
   start_.insert(start_.end(), values.begin(), values.end());
   accepted_.insert(accepted_.end(), values.begin(), values.end());
   pushed_.resize(start_.size(), 0.0);
 }
 
-void QuasiStatic::watch(std::span<const int> nodes) {
+void QuasiStatic::watch(std::span<const int> coordinates) {
   // Before the first step the state is whole.
-  if (state_ != nullptr && !near_.wants_factor()) make_near(stylet::dofs_of(nodes));
+  if (state_ != nullptr && !near_.wants_factor()) make_near(coordinates);
 }
 
 // What edits moved is near; what their elements touch becomes so.
@@ -207,8 +207,8 @@ void QuasiStatic::accept() {
   } else {
     Entries u(state_->u.get());
     Entries v(state_->v.get());
-    for (std::size_t i = 0; i < near_.dofs().size(); ++i) {
-      const int dof = near_.dofs()[i];
+    for (std::size_t i = 0; i < near_.coordinates().size(); ++i) {
+      const int dof = near_.coordinates()[i];
       if (!u.owns(dof)) continue;
       u[dof] = solution_.x[i];
       v[dof] = (solution_.x[i] - start_[i]) / h_;
@@ -226,10 +226,10 @@ void QuasiStatic::accept() {
   accepted_ = solution_.x;
   start_ = solution_.x;
   forced_.clear();
-  for (const auto& g : given_) forced_.push_back(near_.dofs()[g.at]);
-  for (const auto& w : weights_) forced_.push_back(near_.dofs()[w.at]);
+  for (const auto& g : given_) forced_.push_back(near_.coordinates()[g.at]);
+  for (const auto& w : weights_) forced_.push_back(near_.coordinates()[w.at]);
   for (std::size_t i = 0; i < extra_.size(); ++i) {
-    if (extra_[i] != 0) forced_.push_back(near_.dofs()[i]);
+    if (extra_[i] != 0) forced_.push_back(near_.coordinates()[i]);
   }
   sort_unique(forced_);
   state_->t += h_;
@@ -257,7 +257,7 @@ void QuasiStatic::keep_near(Vec state, Vec from) const {
   {
     Entries values(from);
     const Values near(state);
-    for (const int dof : near_.dofs()) {
+    for (const int dof : near_.coordinates()) {
       if (values.owns(dof)) values[dof] = near[dof];
     }
   }

@@ -3,6 +3,8 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/sorted.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/gather.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -17,15 +19,6 @@ namespace {
 
 constexpr std::size_t dim = 2;
 
-std::size_t position(std::span<const int> sorted, int value) {
-  return static_cast<std::size_t>(std::ranges::lower_bound(sorted, value) - sorted.begin());
-}
-
-LinearSimplex<2> simplex(const Mesh& mesh, int cell) {
-  const auto n = mesh.cell(cell);
-  return LinearSimplex<2>({mesh.coordinates(n[0]), mesh.coordinates(n[1]), mesh.coordinates(n[2])});
-}
-
 }  // namespace
 
 TissueOperator::TissueOperator(MPI_Comm comm,
@@ -33,12 +26,14 @@ TissueOperator::TissueOperator(MPI_Comm comm,
                                std::vector<int> first_node,
                                const TissueParameters& parameters,
                                std::function<bool(int)> needs_flips,
+                               Stiffness kept,
                                bool keeps_regions)
     : comm_(comm),
       first_node_(std::move(first_node)),
       parameters_(parameters),
       needs_flips_(std::move(needs_flips)),
-      cell_region_(mesh.data().cell_region) {
+      cell_region_(mesh.data().cell_region),
+      kept_(kept) {
   const auto rank = static_cast<std::size_t>(rank_of(comm));
   begin_ = first_node_[rank];
   end_ = first_node_[rank + 1];
@@ -47,67 +42,18 @@ TissueOperator::TissueOperator(MPI_Comm comm,
   make_pattern(mesh);
 }
 
-std::vector<VolumePatch> TissueOperator::patches(const Mesh& mesh, int node) const {
-  return volume_patches(mesh, node, [this](int cell) { return material(cell).moduli.lambda; });
-}
-
-// Rows of a node from the dilatation that the patches around it share.
-void TissueOperator::add_shared_volume(const Mesh& mesh,
-                                       int node,
-                                       std::span<const int> columns,
-                                       PatchCache& cache,
-                                       std::vector<double>& rows) const {
-  constexpr std::size_t several_fronts = 1 << 14;  // of nodes in the order of the numbering
-  if (cache.size() > several_fronts) cache.clear();
-  const std::size_t width = 2 * columns.size();
-  for (const int centre : mesh.neighbours(node)) {
-    const auto [found, is_new] = cache.try_emplace(centre);
-    if (is_new) found->second = patches(mesh, centre);
-    for (const VolumePatch& patch : found->second) {
-      const auto* mine = patch.at(node);
-      if (mine == nullptr) continue;
-      const double factor = parameters_.thickness / patch.compliance;
-      for (std::size_t b = 0; b < patch.nodes.size(); ++b) {
-        const std::size_t at = 2 * position(columns, patch.nodes[b]);
-        for (std::size_t i = 0; i < dim; ++i) {
-          for (std::size_t k = 0; k < dim; ++k) {
-            rows[i * width + at + k] += factor * ((*mine)[i] * patch.divergence[b][k]);
-          }
-        }
-      }
-    }
-  }
-}
-
-VolumetricState TissueOperator::volumetric(const Mesh& mesh,
-                                           int cell,
-                                           std::span<const double> u) const {
-  const double lambda = material(cell).moduli.lambda;
-  VolumetricState state;
-  const auto nodes = mesh.cell(cell);
-  if (averaged()) {
-    for (const int node : nodes) {
-      const auto around = patches(mesh, node);
-      const double p =
-          std::ranges::find(around, mesh.region(cell), &VolumePatch::region)->pressure(u);
-      state.pressure += p / 3;
-      if (lambda > 0) state.energy_density += p * p / (6 * lambda);
-    }
-    return state;
-  }
-  const auto element = simplex(mesh, cell);
-  double trace = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto dof = 2 * static_cast<std::size_t>(nodes[a]);
-    trace += element.gradient[a][0] * u[dof] + element.gradient[a][1] * u[dof + 1];
-  }
-  return {lambda * trace, 0.5 * lambda * trace * trace};
-}
-
 void TissueOperator::make_pattern(const Mesh& mesh) {
   static const LogEvent event("StyletPattern");
   const LogScope scope(event);
   const int n_owned = end_ - begin_;
+  std::vector<int> all(static_cast<std::size_t>(n_owned));
+  std::iota(all.begin(), all.end(), begin_);
+  if (kept_ == Stiffness::rows) {
+    rows_.resize(all.size());
+    lumped_ = make_vector();
+    fill_rows(mesh, all);
+    return;
+  }
   stiffness_columns_.clear();
   mass_columns_.clear();
   for (int node = begin_; node < end_; ++node) {
@@ -159,18 +105,22 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
     tangent_ = make(stiffness_columns_, 2);
     check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
   }
-  fill_all(mesh);
+  fill(mesh, all);
 }
 
 void TissueOperator::fill_all(const Mesh& mesh) {
   std::vector<int> all(static_cast<std::size_t>(end_ - begin_));
   std::iota(all.begin(), all.end(), begin_);
-  fill(mesh, all);
+  if (kept_ == Stiffness::rows) {
+    fill_rows(mesh, all);
+  } else {
+    fill(mesh, all);
+  }
 }
 
 void TissueOperator::expect_flips(const Mesh& mesh, std::function<bool(int)> needs_flips) {
   needs_flips_ = std::move(needs_flips);
-  make_pattern(mesh);
+  if (kept_ == Stiffness::matrix) make_pattern(mesh);
 }
 
 OwnedVec TissueOperator::make_vector() const {
@@ -182,40 +132,22 @@ OwnedVec TissueOperator::make_vector() const {
 void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
   static const LogEvent event("StyletAssemble");
   const LogScope scope(event);
-  std::vector<double> k_rows;
-  std::vector<double> m_rows;
+  NodeRows k;
+  Masses masses;
   std::vector<double> a_rows;
   std::vector<PetscInt> columns;
   PatchCache cache;
-  const double t = parameters_.thickness;
   const bool consistent = parameters_.mass == MassKind::consistent;
   const auto c = tangent_combination_;
   for (const int node : owned_nodes) {
     const auto& coupled = stiffness_columns_[static_cast<std::size_t>(node - begin_)];
     const auto& mass_coupled = mass_columns_[static_cast<std::size_t>(node - begin_)];
     const std::size_t width = 2 * coupled.size();
-    k_rows.assign(2 * width, 0.0);
-    m_rows.assign(mass_coupled.size(), 0.0);
-    double lumped = 0;
-    for (const int cell : mesh.cells_around(node)) {
-      const auto nodes = mesh.cell(cell);
-      const auto element = simplex(mesh, cell);
-      auto m = material(cell);
-      if (averaged()) m.moduli.lambda = 0;  // see add_shared_volume
-      const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
-      lumped += t * m.density * element.lumped_mass();
-      for (std::size_t b = 0; b < 3; ++b) {
-        const std::size_t at = position(coupled, nodes[b]);
-        const auto block = element.stiffness(a, b, m.moduli);
-        for (std::size_t i = 0; i < dim; ++i) {
-          for (std::size_t k = 0; k < dim; ++k) {
-            k_rows[i * width + 2 * at + k] += t * block[i][k];
-          }
-        }
-        m_rows[position(mass_coupled, nodes[b])] += t * m.density * element.consistent_mass(a, b);
-      }
-    }
-    if (averaged()) add_shared_volume(mesh, node, coupled, cache, k_rows);
+    k.columns = coupled;
+    compute(mesh, node, mass_coupled, cache, k, masses);
+    const std::vector<double>& k_rows = k.values;
+    const std::vector<double>& m_rows = masses.consistent;
+    const double lumped = masses.lumped;
     columns.resize(width);
     for (std::size_t j = 0; j < coupled.size(); ++j) {
       columns[2 * j] = 2 * coupled[j];
@@ -228,7 +160,8 @@ void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
       a_rows = k_rows;
       for (double& value : a_rows) value *= c.stiffness;
       const auto add_mass = [&](int column, double mass) {
-        const std::size_t j = position(coupled, column);
+        const auto j =
+            static_cast<std::size_t>(std::ranges::lower_bound(coupled, column) - coupled.begin());
         for (std::size_t i = 0; i < dim; ++i) a_rows[i * width + 2 * j + i] += c.mass * mass;
       };
       if (consistent) {
@@ -281,9 +214,15 @@ std::vector<int> TissueOperator::rows_of(const Mesh& mesh, std::span<const int> 
 
 std::vector<int> TissueOperator::coupled(const Mesh& mesh, std::span<const int> nodes) const {
   std::vector<int> all;
-  for (const int node : nodes) {
-    const auto around = nodes_within(mesh, node, averaged() ? 2 : 1);
+  const auto add = [&](std::span<const int> around) {
     all.insert(all.end(), around.begin(), around.end());
+  };
+  for (const int node : nodes) {
+    if (kept_ == Stiffness::rows && owns(node)) {
+      add(rows_[static_cast<std::size_t>(node - begin_)].columns);
+    } else {
+      add(nodes_within(mesh, node, averaged() ? 2 : 1));
+    }
   }
   sort_unique(all);
   return all;
@@ -292,6 +231,12 @@ std::vector<int> TissueOperator::coupled(const Mesh& mesh, std::span<const int> 
 bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells) {
   const std::vector<int> nodes = rows_of(mesh, touched_cells);
   remix(mesh, touched_cells);
+  if (kept_ == Stiffness::rows) {
+    std::vector<int> mine;
+    std::ranges::copy_if(nodes, std::back_inserter(mine), [&](int node) { return owns(node); });
+    fill_rows(mesh, mine);
+    return false;
+  }
   // The mesh is replicated, so every rank can see whether any owner lacks a coupling.
   int lacks = 0;
   std::vector<int> owned;
@@ -305,7 +250,7 @@ bool TissueOperator::update(const Mesh& mesh, std::span<const int> touched_cells
     }
   }
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_));
+    MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, comm_);
   }
   if (lacks != 0) {
     make_pattern(mesh);
@@ -320,6 +265,22 @@ void TissueOperator::apply_mass(Vec x, Vec y) const {
     check(MatMult(mass_.get(), x, y));
   } else {
     check(VecPointwiseMult(y, lumped_.get(), x));
+  }
+}
+
+void TissueOperator::apply_stiffness(Vec x, Vec y) const {
+  if (kept_ == Stiffness::matrix) {
+    check(MatMult(stiffness_.get(), x, y));
+    return;
+  }
+  const auto all = gather_all(x);
+  Entries product(y);
+  for (int row = first_dof(); row < end_dof(); ++row) {
+    double sum = 0;
+    along_row(row, [&](int column, double value) {
+      sum += value * all[static_cast<std::size_t>(column)];
+    });
+    product[row] = sum;
   }
 }
 

@@ -333,9 +333,11 @@ Entry find_entry(const Mesh& mesh, const Axis& axis, const std::string& needle) 
       low = std::min(low, Axis::across(mesh.point(node)));
       high = std::max(high, Axis::across(mesh.point(node)));
     }
+    const double size = high - low;
     throw InputError("needle '" + needle + "' at height " + ten_digits(y) +
-                     " m misses the tissue, which spans heights from " + ten_digits(low) +
-                     " m to " + ten_digits(high) + " m");
+                     " m misses the tissue, which spans heights from " +
+                     ten_digits(cleared(low, size)) + " m to " + ten_digits(cleared(high, size)) +
+                     " m");
   }
   // A corner of the tissue must stay where it is: then the other end slides.
   if (entry->fraction > 0 && is_corner(mesh, entry->node)) {

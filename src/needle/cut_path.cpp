@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace stylet {
@@ -68,13 +69,25 @@ std::vector<int> CutPath::watched() const {
   return nodes;
 }
 
-std::vector<int> CutPath::loaded_nodes() const {
-  std::vector<int> nodes;
-  for (const auto& shaft : track_.nodes()) nodes.push_back(shaft.node);
+std::vector<int> CutPath::loaded_points() const {
+  std::vector<int> points(track_.size());
+  std::iota(points.begin(), points.end(), 0);
   if (length() < tip_length_) {
-    nodes.insert(nodes.end(), skin_.nodes().begin(), skin_.nodes().end());
+    for (const int node : skin_.nodes()) points.push_back(skin_point(node));
   }
-  return nodes;
+  return points;
+}
+
+int CutPath::skin_point(int node) const {
+  if (node == track_.nodes().front().node) return 0;
+  return static_cast<int>(skin_.nodes().begin() - std::ranges::find(skin_.nodes(), node)) - 1;
+}
+
+SparseRow CutPath::row(TrackPlace place) const {
+  const auto i = static_cast<std::size_t>(place.point < 0 ? -place.point - 1 : place.point);
+  const int node = place.point < 0 ? skin_.nodes()[i] : track_.nodes()[i].node;
+  if (place.component == Component::along) return {{Axis::along_dof(node), Axis::along_sign}};
+  return {{Axis::across_dof(node), 1.0}};
 }
 
 double CutPath::share_in() const {
@@ -105,18 +118,22 @@ double CutPath::element_size() const {
 
 // The tip's load is uniform over its length: what is in the tissue loads the path, what is not in yet
 // the skin around the entry.
-std::vector<NodeShare> CutPath::tip_shares() const {
-  if (tip_length_ == 0) return {{track_.tip(), 1}};
+std::vector<PointShare> CutPath::tip_shares() const {
+  if (tip_length_ == 0) return {{static_cast<int>(track_.size()) - 1, 1}};
   const double zone = std::min(tip_length_, length());
-  std::vector<NodeShare> shares;
-  if (zone < tip_length_) shares = skin_.lengths(mesh_, tip_length_ - zone);
+  std::vector<PointShare> shares;
+  if (zone < tip_length_) {
+    for (const auto& [node, value] : skin_.lengths(mesh_, tip_length_ - zone)) {
+      shares.push_back({skin_point(node), value});
+    }
+  }
   const auto lengths = track_.lengths(mesh_, 0, zone);
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     if (lengths[i] == 0) continue;
-    const int node = track_.nodes()[i].node;
-    const auto same = std::ranges::find(shares, node, &NodeShare::node);
+    const int point = static_cast<int>(i);
+    const auto same = std::ranges::find(shares, point, &PointShare::point);
     if (same == shares.end()) {
-      shares.push_back({node, lengths[i]});
+      shares.push_back({point, lengths[i]});
     } else {
       same->value += lengths[i];
     }
@@ -139,19 +156,19 @@ std::vector<double> CutPath::shaft_lengths() const {
 }
 
 void CutPath::uncover(double to,
-                      const TrialView& trial,
+                      const TrackTrial& trial,
                       const std::optional<FrictionParameters>& friction,
                       double speed) {
   const auto s = distances();
   const auto world = [&](std::size_t i) {
-    return Axis::along(displaced(point(i), trial.at(track_.nodes()[i].node).u));
+    return Axis::along(point(i)) + trial.at(static_cast<int>(i)).u.along;
   };
   exposed_ = s.front();
   for (std::size_t i = 0; i < s.size(); ++i) {
     auto& shaft = track_.nodes()[i];
     const bool behind = world(i) <= to;
     if (behind && !shaft.attached && friction) {
-      const double relative = speed - Axis::along(trial.at(shaft.node).v);
+      const double relative = speed - trial.at(static_cast<int>(i)).v.along;
       shaft.contact = slides_at_once(*friction, relative) ? Contact::slip : Contact::stick;
       shaft.slip_sign = relative > 0 ? 1 : -1;
     }

@@ -65,11 +65,11 @@ void Needle::change(const CuttingParameters& cutting,
   path_.change(puncture_force, std::move(region_modulus));
 }
 
-std::vector<int> Needle::loaded_nodes() const {
-  std::vector<int> nodes = path_.loaded_nodes();
-  for (const auto& force : work_.last()) nodes.push_back(force.node);
-  sort_unique(nodes);
-  return nodes;
+std::vector<int> Needle::loaded_points() const {
+  std::vector<int> points = path_.loaded_points();
+  for (const auto& force : work_.last()) points.push_back(force.point);
+  sort_unique(points);
+  return points;
 }
 
 double Needle::full_threshold() const {
@@ -143,32 +143,32 @@ NeedleEdits Needle::plan(const NeedleView& start) {
   }
 }
 
-ConstraintSet Needle::constraints() const {
-  ConstraintSet set;
+TrackConditions Needle::conditions() const {
+  TrackConditions set;
   const auto points = path_.track().nodes();
   const auto friction =
       parameters_.friction ? path_.shaft_lengths() : std::vector<double>(points.size(), 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& shaft = points[i];
     if (!shaft.attached) continue;
-    set.dofs.push_back(
-        {Axis::across_dof(shaft.node), axis().across_position - Axis::across(path_.point(i))});
+    const int point = static_cast<int>(i);
+    set.held.push_back(
+        {{point, Component::across}, axis().across_position - Axis::across(path_.point(i))});
     if (friction[i] <= 0) continue;
+    const TrackPlace along{point, Component::along};
     if (shaft.contact == Contact::stick) {
-      set.dofs.push_back({Axis::along_dof(shaft.node), Axis::along_sign * step_.speed(), true});
+      set.held.push_back({along, step_.speed(), true});
     } else {
-      const double force = shaft.slip_sign * sliding_force(*parameters_.friction, friction[i]);
-      set.forces.push_back({Axis::along_dof(shaft.node), Axis::along_sign * force});
+      set.forces.push_back(
+          {along, shaft.slip_sign * sliding_force(*parameters_.friction, friction[i])});
     }
   }
   if (tip_ == TipContact::open) return set;
   const double f = threshold();
-  MeanCondition mean;
-  for (const auto& [node, share] : path_.tip_shares()) {
-    const int dof = Axis::along_dof(node);
-    mean.weights.push_back({dof, Axis::along_sign * share});
-    if (tip_ == TipContact::cut && f > 0) {
-      set.forces.push_back({dof, Axis::along_sign * f * share});
+  TrackMean mean{path_.tip_shares()};
+  if (tip_ == TipContact::cut && f > 0) {
+    for (const auto& [point, share] : mean.shares) {
+      set.forces.push_back({{point, Component::along}, f * share});
     }
   }
   if (tip_ == TipContact::stick) {
@@ -181,21 +181,21 @@ ConstraintSet Needle::constraints() const {
 }
 
 // How far the needle is ahead of the tissue at its tip (m), by positions.
-double Needle::place_gap(const TrialView& trial) const {
+double Needle::place_gap(const TrackTrial& trial) const {
   double mean_u = 0;
-  for (const auto& [node, share] : path_.tip_shares()) {
-    mean_u += share * Axis::along(trial.at(node).u);
+  for (const auto& [point, share] : path_.tip_shares()) {
+    mean_u += share * trial.at(point).u.along;
   }
   return step_.to - Axis::along(path_.tip()) - mean_u;
 }
 
 // The same as the integrator sees it.
-double Needle::gap(const TrialView& trial) const {
+double Needle::gap(const TrackTrial& trial) const {
   const double gap = place_gap(trial);
   if (!velocity_level_) return gap;
   double mean_v = 0;
-  for (const auto& [node, share] : path_.tip_shares()) {
-    mean_v += share * Axis::along(trial.at(node).v);
+  for (const auto& [point, share] : path_.tip_shares()) {
+    mean_v += share * trial.at(point).v.along;
   }
   const double closing = step_.h * (step_.speed() - mean_v);
   // Tissue that a condition by rate left ahead of the tip, or behind it, touches it.
@@ -204,18 +204,18 @@ double Needle::gap(const TrialView& trial) const {
   return gap + closing;
 }
 
-bool Needle::review(const TrialView& trial, const Multiplier& lambda) {
+bool Needle::review(const TrackTrial& trial, const Multiplier& lambda) {
   return (!parameters_.friction || review_friction(trial)) && review_tip(trial, lambda);
 }
 
-bool Needle::review_friction(const TrialView& trial) {
+bool Needle::review_friction(const TrackTrial& trial) {
   const auto verdict = contacts_.review(path_.track(), path_.shaft_lengths(), trial,
                                         *parameters_.friction, step_.speed());
   if (verdict == ShaftContacts::Verdict::change_gap) forget_search();
   return verdict == ShaftContacts::Verdict::agree;
 }
 
-bool Needle::review_tip(const TrialView& trial, const Multiplier& lambda) {
+bool Needle::review_tip(const TrackTrial& trial, const Multiplier& lambda) {
   switch (tip_) {
     case TipContact::stick: {
       if (lambda.needed < -slack()) {
@@ -292,7 +292,7 @@ void Needle::throw_no_solution() const {
 
 // What holds after every accepted step: an inserting tip stands at its threshold, or it has less and
 // holds, or it waits where its path has been cut already.
-void Needle::check_tip(const TrialView& trial, double lambda) const {
+void Needle::check_tip(const TrackTrial& trial, double lambda) const {
   if (step_.speed() <= 0 || parameters_.cutting.law == CuttingLaw::increment) return;
   constexpr double solver = 10;  // the solution was refined since the review
   const double most = limit();
@@ -306,18 +306,18 @@ void Needle::check_tip(const TrialView& trial, double lambda) const {
                        exact(g) + " m ahead of it: the step has no right end");
 }
 
-std::vector<NodeForce> Needle::tip_forces(const Multiplier& lambda) const {
-  std::vector<NodeForce> forces;
-  for (const auto& [node, share] : path_.tip_shares()) {
-    NodeForce& force = force_on(forces, node);
+std::vector<PointForce> Needle::tip_forces(const Multiplier& lambda) const {
+  std::vector<PointForce> forces;
+  for (const auto& [point, share] : path_.tip_shares()) {
+    PointForce& force = force_on(forces, point);
     force.along = share * lambda.working;
     force.settled_along = share * lambda.settled;
   }
   return forces;
 }
 
-NeedleStepReport Needle::commit(const NeedleView& start,
-                                const TrialView& trial,
+NeedleStepReport Needle::commit(const TrackStart& start,
+                                const TrackTrial& trial,
                                 Multiplier lambda,
                                 double end_weight) {
   NeedleStepReport report;
@@ -329,7 +329,7 @@ NeedleStepReport Needle::commit(const NeedleView& start,
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     pending_ = std::max(0.0, place_gap(trial));
   }
-  std::vector<NodeForce> forces = tip_forces(lambda);
+  std::vector<PointForce> forces = tip_forces(lambda);
   report.contact_changes = contacts_.changes();
   if (parameters_.friction) {
     const auto shaft = contacts_.commit(path_.track(), path_.shaft_lengths(), trial,
@@ -338,11 +338,13 @@ NeedleStepReport Needle::commit(const NeedleView& start,
     report.n_stick = shaft.n_stick;
     report.n_slip = shaft.n_slip;
   }
-  for (const auto& shaft : path_.track().nodes()) {
-    if (!shaft.attached) continue;
-    NodeForce& force = force_on(forces, shaft.node);
-    force.across = Axis::across(trial.at(shaft.node).working);
-    force.settled_across = Axis::across(trial.at(shaft.node).settled);
+  const auto points = path_.track().nodes();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].attached) continue;
+    const int point = static_cast<int>(i);
+    PointForce& force = force_on(forces, point);
+    force.across = trial.at(point).working.across;
+    force.settled_across = trial.at(point).settled.across;
   }
   const auto sums = work_.book(step_, start, trial, std::move(forces), end_weight);
   report.work = sums.work;

@@ -1,6 +1,5 @@
 #include "stylet/needle/shaft_contacts.hpp"
 
-#include "stylet/needle/axis.hpp"
 #include "stylet/needle/friction.hpp"
 #include "stylet/needle/slack.hpp"
 
@@ -58,7 +57,7 @@ void ShaftContacts::choose(std::vector<std::size_t>& wrong) {
 
 ShaftContacts::Verdict ShaftContacts::review(Track& track,
                                              std::span<const double> lengths,
-                                             const TrialView& trial,
+                                             const TrackTrial& trial,
                                              const FrictionParameters& law,
                                              double speed) {
   const bool careful = is_careful(track);
@@ -66,11 +65,11 @@ ShaftContacts::Verdict ShaftContacts::review(Track& track,
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     const auto& shaft = track.nodes()[i];
     if (!shaft.attached || lengths[i] <= 0) continue;
-    const auto& point = trial.at(shaft.node);
+    const auto& point = trial.at(static_cast<int>(i));
     if (shaft.contact == Contact::stick) {
       const double limit = holding_force(law, lengths[i], careful && shaft.changes > 0);
-      if (std::abs(Axis::along(point.reaction)) > limit * (1 + force_slack)) wrong.push_back(i);
-    } else if (drives(law, shaft.slip_sign, speed - Axis::along(point.v))) {
+      if (std::abs(point.reaction.along) > limit * (1 + force_slack)) wrong.push_back(i);
+    } else if (drives(law, shaft.slip_sign, speed - point.v.along)) {
       wrong.push_back(i);
     }
   }
@@ -85,7 +84,7 @@ ShaftContacts::Verdict ShaftContacts::review(Track& track,
     auto& shaft = track.nodes()[i];
     if (shaft.contact == Contact::stick) {
       shaft.contact = Contact::slip;
-      shaft.slip_sign = Axis::along(trial.at(shaft.node).reaction) > 0 ? 1 : -1;
+      shaft.slip_sign = trial.at(static_cast<int>(i)).reaction.along > 0 ? 1 : -1;
     } else {
       shaft.contact = Contact::stick;
     }
@@ -97,24 +96,24 @@ ShaftContacts::Verdict ShaftContacts::review(Track& track,
 
 ShaftContacts::Shaft ShaftContacts::commit(Track& track,
                                            std::span<const double> lengths,
-                                           const TrialView& trial,
+                                           const TrackTrial& trial,
                                            const FrictionParameters& law,
                                            double speed,
-                                           std::vector<NodeForce>& forces) const {
+                                           std::vector<PointForce>& forces) const {
   Shaft sums;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
     auto& shaft = track.nodes()[i];
     if (!shaft.attached || lengths[i] <= 0) continue;
-    const auto& point = trial.at(shaft.node);
+    const auto& point = trial.at(static_cast<int>(i));
     const bool sticks = shaft.contact == Contact::stick;
     const double slip = shaft.slip_sign * sliding_force(law, lengths[i]);
-    const double settled = sticks ? Axis::along(point.settled) : slip;
+    const double settled = sticks ? point.settled.along : slip;
     sums.force += settled;
-    NodeForce& force = force_on(forces, shaft.node);
+    PointForce& force = force_on(forces, static_cast<int>(i));
     force.settled_along += settled;
-    force.along += sticks ? Axis::along(point.working) : slip;
+    force.along += sticks ? point.working.along : slip;
     ++(sticks ? sums.n_stick : sums.n_slip);
-    if (!sticks && is_caught(law, speed - Axis::along(point.v))) shaft.contact = Contact::stick;
+    if (!sticks && is_caught(law, speed - point.v.along)) shaft.contact = Contact::stick;
   }
   return sums;
 }

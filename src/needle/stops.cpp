@@ -1,5 +1,7 @@
 #include "stylet/needle/stops.hpp"
 
+#include "stylet/base/text.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,7 +18,7 @@ std::string brief(double value) {
 
 /// As the scene writes it: a depth, or a position and what it is from the skin.
 std::string shown(const Stop& stop, double along_sign, double skin, bool skin_known) {
-  const double depth = along_of(stop, skin) - skin;
+  const double depth = cleared(along_of(stop, skin) - skin, std::abs(skin));
   const std::string from_skin =
       depth < 0 ? brief(-depth) + " m in front of the entry point" : "depth " + brief(depth) + " m";
   if (stop.from_skin) return from_skin;

@@ -1,11 +1,9 @@
 #include "stylet/output/history.hpp"
 
+#include "stylet/output/csv.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <exception>
 
 namespace stylet {
@@ -14,42 +12,20 @@ namespace {
 
 constexpr auto longest_delay = std::chrono::milliseconds(100);
 constexpr std::size_t largest_buffer = std::size_t{1} << 20;
-constexpr double largest_whole = 9007199254740992.0;  // 2^53: all whole numbers below are exact
-
-void append_title(std::string& text, const Column& column) {
-  const std::string title =
-      column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
-  if (title.find_first_of(",\"\n") == std::string::npos) {
-    text += title;
-    return;
-  }
-  text += '"';
-  for (const char c : title) text.append(c == '"' ? 2 : 1, c);
-  text += '"';
+std::string title_of(const Column& column) {
+  return column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
 }
 
 }  // namespace
-
-void append_number(std::string& text, double value) {
-  std::array<char, 32> digits;  // the longest double has 24 characters
-  const bool whole = std::abs(value) < largest_whole && value == std::trunc(value);
-  const auto end = whole
-                       ? std::to_chars(digits.begin(), digits.end(), static_cast<long long>(value))
-                       : std::to_chars(digits.begin(), digits.end(), value);
-  text.append(digits.data(), end.ptr);
-}
 
 HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path, std::vector<Column> columns)
     : comm_(comm), n_columns_(columns.size()), handed_over_(std::chrono::steady_clock::now()) {
   agree_after(comm, [&] {
     if (rank_of(comm) != 0) return;
-    std::string header;
-    for (const Column& column : columns) {
-      if (!header.empty()) header += ',';
-      append_title(header, column);
-    }
+    std::vector<std::string> titles;
+    for (const Column& column : columns) titles.push_back(title_of(column));
     file_.emplace(path);
-    file_->write(header + '\n');
+    file_->write(csv_line(titles));
     file_->appear();
   });
 }
@@ -64,11 +40,7 @@ void HistoryWriter::write(std::span<const double> row) {
     throw Error(ExitCode::other, "history: a row of " + std::to_string(row.size()) +
                                      " numbers for " + std::to_string(n_columns_) + " columns");
   }
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    if (i > 0) buffer_ += ',';
-    append_number(buffer_, row[i]);
-  }
-  buffer_ += '\n';
+  append_csv_line(buffer_, row);
   if (buffer_.size() > largest_buffer ||
       std::chrono::steady_clock::now() - handed_over_ >= longest_delay) {
     hand_over();

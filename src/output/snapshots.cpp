@@ -1,9 +1,8 @@
 #include "stylet/output/snapshots.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/output/committed_file.hpp"
 #include "stylet/output/disk_space.hpp"
-#include "stylet/output/folder.hpp"
-#include "stylet/output/hdf5.hpp"
 #include "stylet/output/snapshot_size.hpp"
 #include "stylet/output/status_file.hpp"
 #include "stylet/output/text_file.hpp"
@@ -14,9 +13,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
-#include <deque>
-#include <exception>
+#include <map>
 #include <optional>
+#include <type_traits>
 
 namespace stylet {
 
@@ -41,108 +40,170 @@ std::vector<double> with_zero_z(std::span<const double> values) {
   return result;
 }
 
+/// Collective. The rows of all ranks, on rank 0.
+template <class Value>
+std::vector<Value> all_rows(MPI_Comm comm,
+                            const std::vector<Value>& mine,
+                            int n_rows,
+                            int columns) {
+  const int n_ranks = size_of(comm);
+  if (n_ranks == 1) return mine;
+  std::vector<int> counts;
+  std::vector<int> starts;
+  for (int rank = 0; rank < n_ranks; ++rank) {
+    const Range rows = chunk(n_rows, rank, n_ranks);
+    counts.push_back(columns * rows.size());
+    starts.push_back(columns * rows.begin);
+  }
+  std::vector<Value> all;
+  if (rank_of(comm) == 0) all.resize(static_cast<std::size_t>(columns * n_rows));
+  const MPI_Datatype type = std::is_same_v<Value, double> ? MPI_DOUBLE : MPI_INT;
+  MPI_Gatherv(mine.data(), static_cast<int>(mine.size()), type, all.data(), counts.data(),
+              starts.data(), type, 0, comm);
+  return all;
+}
+
 }  // namespace
 
-/// The open file, its XDMF companions and what a snapshot has in the making.
+/// The open file, its XDMF companions and what is known of the arrays in it. Rank 0 writes.
 class SnapshotWriter::File {
  public:
   File(MPI_Comm comm, const std::string& folder);
 
   void write(const Snapshot& snapshot);
   void close();
-  /// Leaves the handle to the end of MPI, which closes it where all ranks meet.
-  void abandon() {
-    if (h5_) h5_->release();
-  }
   [[nodiscard]] int n_written() const { return n_written_; }
 
  private:
+  /// What was stored last under a name.
+  template <class Value>
+  struct Kept {
+    std::vector<Value> values;
+    Hdf5Id array;
+  };
+  template <class Value>
+  using AllKept = std::map<std::string, Kept<Value>>;
+
+  void create();
   void reserve(const Snapshot& snapshot);
   [[noreturn]] void end_job(const Error& error) const;
-  void create_step(const Snapshot& snapshot);
-  void create_mesh(const Snapshot& snapshot);
-  void create_fields(hid_t step, const Snapshot& snapshot);
-  void create_shapes(hid_t step, const Snapshot& snapshot);
-  StoredArray create_points(hid_t parent,
-                            const std::string& path,
-                            const std::string& name,
-                            const std::vector<std::array<double, 2>>& points);
-  void write_pending();
-  void write_xdmf();
-
-  [[nodiscard]] Range rows(int n) const { return chunk(n, rank_, n_ranks_); }
+  void write_step(const Snapshot& snapshot);
+  void write_mesh(const Snapshot& snapshot);
+  void write_fields(hid_t step, const Snapshot& snapshot);
+  void write_shapes(hid_t step, const Snapshot& snapshot);
+  void tell(const Snapshot& snapshot);
+  void store_points(hid_t group,
+                    const std::string& group_name,
+                    const std::string& name,
+                    const std::vector<std::array<double, 2>>& points,
+                    XdmfGrid::Shape shape);
+  [[nodiscard]] StoredArray stored(const std::string& name, int n_rows, int columns, bool integer) {
+    return {"/" + step_name_ + "/" + name, n_rows, columns, integer};
+  }
+  [[nodiscard]] int rows_of(bool on_cells) const { return on_cells ? n_cells_ : n_nodes_; }
 
   MPI_Comm comm_;
   int rank_;
-  int n_ranks_;
   std::string folder_;
   std::string h5_path_;
-  std::optional<Hdf5Id> h5_;
+  bool is_open_ = true;
+  std::optional<CommittedFile> h5_;  ///< rank 0's
+  DiskReserve room_;
   int n_written_ = 0;
 
   std::string step_name_;
   std::optional<std::uint64_t> mesh_version_;
   std::optional<std::uint64_t> connectivity_version_;
-  std::string connectivity_;  ///< path of that array
+  std::optional<Hdf5Id> connectivity_;
   int n_meshes_ = 0;
   int n_nodes_ = 0;
   int n_cells_ = 0;
+  AllKept<int> flags_;
+  AllKept<double> points_;
   XdmfGrid tissue_;
   std::vector<XdmfGrid> shapes_;
-  std::vector<PendingArray> pending_;
-  std::deque<std::vector<double>> padded_;  // addresses stay valid until written
 
-  XdmfSeries tissue_series_{"snapshots.h5"};
-  XdmfSeries shape_series_{"snapshots.h5"};
+  std::optional<XdmfSeries> tissue_series_;  ///< rank 0's
+  std::optional<XdmfSeries> shape_series_;
 };
+
+namespace {
+
+/// A new array in a group; or a link, and false, if what was stored last under this key was the same.
+template <class Value, class AllKept>
+bool store(AllKept& all,
+           const std::string& key,
+           hid_t group,
+           const std::string& name,
+           const std::string& unit,
+           int columns,
+           std::vector<Value> values) {
+  const auto last = all.find(key);
+  if (last != all.end() && last->second.values == values) {
+    link_array(last->second.array.get(), group, name);
+    return false;
+  }
+  Hdf5Id array = write_array(group, name, unit, columns, values);
+  all.insert_or_assign(key, typename AllKept::mapped_type{std::move(values), std::move(array)});
+  return true;
+}
+
+}  // namespace
 
 SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
     : comm_(comm),
       rank_(rank_of(comm)),
-      n_ranks_(size_of(comm)),
       folder_(folder),
-      h5_path_(folder + "/snapshots.h5") {
-  // HDF5 cannot close a file whose first bytes found no room, so they are sure to find it; and the
-  // file has its name once it can be read.
-  const std::string draft = draft_of(h5_path_);
+      h5_path_(folder + "/snapshots.h5"),
+      room_(h5_path_) {
   agree_after(comm, [&] {
-    if (rank_ == 0) require_room(draft, h5_path_, first_bytes);
+    if (rank_ == 0) create();
   });
-  try {
-    agree_after(comm, [&] {
-      h5_ = create_hdf5_file(comm, draft);
-      set_attribute(h5_->get(), "program", std::string("stylet"));
-      set_attribute(h5_->get(), "version", std::string(STYLET_VERSION));
-      set_attribute(h5_->get(), "format", format_version);
-      check_hdf5(H5Fflush(h5_->get(), H5F_SCOPE_LOCAL), h5_path_);
-    });
-  } catch (const Error& error) {
-    if (h5_) end_job(error);
-    throw;
-  }
-  agree_after(comm, [&] {
-    if (rank_ == 0 && std::rename(draft.c_str(), h5_path_.c_str()) != 0) {
-      throw_io_error(h5_path_, "cannot be created");
-    }
-  });
-  write_xdmf();
 }
 
-void SnapshotWriter::File::write(const Snapshot& snapshot) {
-  if (!h5_) throw IoError(h5_path_ + ": is closed");
-  agree_after(comm_, [&] { check_sizes(snapshot, rank_, n_ranks_); });
-  reserve(snapshot);
-  step_name_ = numbered("step", n_written_);
+// HDF5 cannot close a file whose first bytes found no room, so they are sure to find it; and the file
+// has its name once it can be read.
+void SnapshotWriter::File::create() {
+  const std::string draft = draft_of(h5_path_);
+  require_room(draft, h5_path_, first_bytes);
+  h5_.emplace(draft);
   try {
-    agree_after(comm_, [&] { create_step(snapshot); });
-    write_pending();
+    h5_->set_root_attribute("program", std::string("stylet"));
+    h5_->set_root_attribute("version", std::string(STYLET_VERSION));
+    h5_->set_root_attribute("format", format_version);
+    h5_->commit();
   } catch (const Error& error) {
     end_job(error);
   }
-  tissue_series_.add(snapshot.time, tissue_);
-  if (!shapes_.empty()) shape_series_.add(snapshot.time, shapes_);
+  if (std::rename(draft.c_str(), h5_path_.c_str()) != 0) {
+    throw_io_error(h5_path_, "cannot be created");
+  }
+  tissue_series_.emplace(folder_ + "/snapshots.xdmf", "snapshots.h5");
+  shape_series_.emplace(folder_ + "/snapshots_needle.xdmf", "snapshots.h5");
+}
+
+void SnapshotWriter::File::write(const Snapshot& snapshot) {
+  if (!is_open_) throw IoError(h5_path_ + ": is closed");
+  agree_after(comm_, [&] { check_sizes(snapshot, rank_, size_of(comm_)); });
+  n_nodes_ = static_cast<int>(snapshot.coordinates.size() / 2);
+  n_cells_ = static_cast<int>(snapshot.connectivity.size() / 3);
+  Snapshot whole = snapshot;
+  for (Field& f : whole.fields) {
+    f.values = all_rows(comm_, f.values, rows_of(f.on_cells), f.components);
+  }
+  for (FlagField& f : whole.flags) f.values = all_rows(comm_, f.values, rows_of(f.on_cells), 1);
+  reserve(whole);
+  try {
+    agree_after(comm_, [&] {
+      if (rank_ == 0) write_step(whole);
+    });
+  } catch (const Error& error) {
+    end_job(error);
+  }
+  mesh_version_ = snapshot.mesh_version;
+  connectivity_version_ = snapshot.connectivity_version;
   ++n_written_;
-  write_xdmf();
+  tell(snapshot);
 }
 
 /// A full disk shows here, where the file is still whole and can be closed.
@@ -151,17 +212,16 @@ void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
     agree_after(comm_, [&] {
       if (rank_ != 0) return;
       const bool with_mesh = mesh_version_ != snapshot.mesh_version;
-      reserve_space(h5_path_,
-                    stored_bytes(snapshot, with_mesh) + metadata_bytes(snapshot, n_written_));
+      room_.require(stored_bytes(snapshot, with_mesh) + metadata_bytes(snapshot, n_written_));
     });
   } catch (const Error&) {
-    h5_.reset();
+    close();
     throw;
   }
 }
 
-/// HDF5 can neither go on nor close a file when a collective write failed on some ranks only: it
-/// hangs or crashes, at the latest when MPI ends. The snapshots before are whole on the disk.
+/// HDF5 can neither go on nor close a file when a write failed: it hangs or crashes, at the latest when
+/// MPI ends. The snapshots before are whole.
 void SnapshotWriter::File::end_job(const Error& error) const {
   if (rank_ == 0) {
     std::fprintf(stderr, "\nstylet: %s\n", error.what());
@@ -170,149 +230,115 @@ void SnapshotWriter::File::end_job(const Error& error) const {
   abort_job(static_cast<int>(error.code()));
 }
 
-void SnapshotWriter::File::create_step(const Snapshot& snapshot) {
-  pending_.clear();
-  padded_.clear();
-  if (mesh_version_ != snapshot.mesh_version) create_mesh(snapshot);
-  const Hdf5Id step = create_group(h5_->get(), step_name_);
-  set_attribute(step.get(), "time", snapshot.time);
-  set_attribute(step.get(), "phase", snapshot.phase);
-  set_attribute(step.get(), "index", static_cast<unsigned long long>(n_written_));
-  set_attribute(step.get(), "mesh", numbered("mesh", n_meshes_ - 1));
-  create_fields(step.get(), snapshot);
-  create_shapes(step.get(), snapshot);
+void SnapshotWriter::File::write_step(const Snapshot& snapshot) {
+  step_name_ = numbered("step", n_written_);
+  if (mesh_version_ != snapshot.mesh_version) write_mesh(snapshot);
+  const hid_t step = h5_->create_group(step_name_);
+  set_attribute(step, "time", snapshot.time);
+  set_attribute(step, "phase", snapshot.phase);
+  set_attribute(step, "index", static_cast<unsigned long long>(n_written_));
+  set_attribute(step, "mesh", numbered("mesh", n_meshes_ - 1));
+  write_fields(step, snapshot);
+  write_shapes(step, snapshot);
+  h5_->commit();
 }
 
-void SnapshotWriter::File::create_mesh(const Snapshot& snapshot) {
-  n_nodes_ = static_cast<int>(snapshot.coordinates.size() / 2);
-  n_cells_ = static_cast<int>(snapshot.connectivity.size() / 3);
+void SnapshotWriter::File::write_mesh(const Snapshot& snapshot) {
   const std::string name = numbered("mesh", n_meshes_++);
-  const Hdf5Id mesh = create_group(h5_->get(), name);
-  set_attribute(mesh.get(), "mesh_version", static_cast<unsigned long long>(snapshot.mesh_version));
-  const Range nodes = rows(n_nodes_);
-  const Range cells = rows(n_cells_);
-  pending_.push_back(create_array(mesh.get(), "coordinates", "m",
-                                  {static_cast<hsize_t>(n_nodes_), 2}, nodes,
-                                  snapshot.coordinates.data() + 2 * std::ptrdiff_t{nodes.begin}));
+  const hid_t mesh = h5_->create_group(name);
+  set_attribute(mesh, "mesh_version", static_cast<unsigned long long>(snapshot.mesh_version));
+  (void)write_array(mesh, "coordinates", "m", 2, snapshot.coordinates);
   if (connectivity_version_ == snapshot.connectivity_version) {
-    check_hdf5(H5Lcreate_hard(h5_->get(), connectivity_.c_str(), mesh.get(), "connectivity",
-                              H5P_DEFAULT, H5P_DEFAULT),
-               h5_path_);
+    link_array(connectivity_->get(), mesh, "connectivity");
   } else {
-    pending_.push_back(
-        create_array(mesh.get(), "connectivity", "", {static_cast<hsize_t>(n_cells_), 3}, cells,
-                     snapshot.connectivity.data() + 3 * std::ptrdiff_t{cells.begin}));
-    connectivity_version_ = snapshot.connectivity_version;
-    connectivity_ = "/" + name + "/connectivity";
+    connectivity_ = write_array(mesh, "connectivity", "", 3, snapshot.connectivity);
   }
   tissue_.name = "tissue";
   tissue_.points = {"/" + name + "/coordinates", n_nodes_, 2, false};
   tissue_.connectivity = {"/" + name + "/connectivity", n_cells_, 3, true};
-  mesh_version_ = snapshot.mesh_version;
 }
 
-void SnapshotWriter::File::create_fields(hid_t step, const Snapshot& snapshot) {
+void SnapshotWriter::File::write_fields(hid_t step, const Snapshot& snapshot) {
   tissue_.attributes.clear();
-  const auto stored = [&](const std::string& name, bool on_cells, int columns, bool integer) {
-    const int n = on_cells ? n_cells_ : n_nodes_;
+  for (const Field& f : snapshot.fields) {
+    const int columns = f.components == 1 ? 1 : 3;
+    (void)write_array(step, f.name, f.unit, columns,
+                      f.components == 2 ? with_zero_z(f.values) : f.values);
     tissue_.attributes.push_back(
-        {name, on_cells, {"/" + step_name_ + "/" + name, n, columns, integer}});
-    return ArrayShape{static_cast<hsize_t>(n), static_cast<hsize_t>(columns)};
-  };
-  for (const Field& field : snapshot.fields) {
-    const Range mine = rows(field.on_cells ? n_cells_ : n_nodes_);
-    const double* data = field.values.data();
-    if (field.components == 2) data = padded_.emplace_back(with_zero_z(field.values)).data();
-    const ArrayShape shape =
-        stored(field.name, field.on_cells, field.components == 1 ? 1 : 3, false);
-    pending_.push_back(create_array(step, field.name, field.unit, shape, mine, data));
+        {f.name, f.on_cells, stored(f.name, rows_of(f.on_cells), columns, false)});
   }
-  for (const FlagField& flag : snapshot.flags) {
-    const Range mine = rows(flag.on_cells ? n_cells_ : n_nodes_);
-    const ArrayShape shape = stored(flag.name, flag.on_cells, 1, true);
-    pending_.push_back(create_array(step, flag.name, "", shape, mine, flag.values.data()));
+  for (const FlagField& f : snapshot.flags) {
+    store(flags_, f.name, step, f.name, "", 1, f.values);
+    tissue_.attributes.push_back(
+        {f.name, f.on_cells, stored(f.name, rows_of(f.on_cells), 1, true)});
   }
 }
 
-void SnapshotWriter::File::create_shapes(hid_t step, const Snapshot& snapshot) {
+void SnapshotWriter::File::write_shapes(hid_t step, const Snapshot& snapshot) {
   shapes_.clear();
-  const std::string path = "/" + step_name_;
   if (!snapshot.polylines.empty()) {
     const Hdf5Id group = create_group(step, "polylines");
     for (const Polyline& line : snapshot.polylines) {
-      if (line.points.empty()) continue;
-      const auto shape = line.closed ? XdmfGrid::Shape::closed_polyline : XdmfGrid::Shape::polyline;
-      shapes_.push_back({line.name,
-                         shape,
-                         create_points(group.get(), path + "/polylines/", line.name, line.points),
-                         {},
-                         {}});
-      set_attribute(pending_.back().dataset.get(), "closed", line.closed ? 1ULL : 0ULL);
+      store_points(group.get(), "polylines", line.name, line.points,
+                   line.closed ? XdmfGrid::Shape::closed_polyline : XdmfGrid::Shape::polyline);
     }
   }
   if (!snapshot.point_sets.empty()) {
     const Hdf5Id group = create_group(step, "point_sets");
     for (const PointSet& set : snapshot.point_sets) {
-      if (set.points.empty()) continue;
-      shapes_.push_back({set.name,
-                         XdmfGrid::Shape::points,
-                         create_points(group.get(), path + "/point_sets/", set.name, set.points),
-                         {},
-                         {}});
+      store_points(group.get(), "point_sets", set.name, set.points, XdmfGrid::Shape::points);
     }
   }
 }
 
-StoredArray SnapshotWriter::File::create_points(hid_t parent,
-                                                const std::string& path,
-                                                const std::string& name,
-                                                const std::vector<std::array<double, 2>>& points) {
-  const int n = static_cast<int>(points.size());
-  const Range mine = rank_ == 0 ? Range{0, n} : Range{0, 0};
-  pending_.push_back(
-      create_array(parent, name, "m", {static_cast<hsize_t>(n), 2}, mine, points.front().data()));
-  return {path + name, n, 2, false};
-}
-
-void SnapshotWriter::File::write_pending() {
-  std::optional<Failure> failure;
-  for (const PendingArray& array : pending_) {
-    // No way out of this loop: the other ranks are in the same collective write.
-    const auto message = write_array(array);
-    if (message && !failure) failure = Failure{ExitCode::io, h5_path_ + ": " + *message};
+void SnapshotWriter::File::store_points(hid_t group,
+                                        const std::string& group_name,
+                                        const std::string& name,
+                                        const std::vector<std::array<double, 2>>& points,
+                                        XdmfGrid::Shape shape) {
+  if (points.empty()) return;
+  std::vector<double> values;
+  for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
+  const std::string path = group_name + "/" + name;
+  if (store(points_, path, group, name, "m", 2, std::move(values)) &&
+      shape != XdmfGrid::Shape::points) {
+    set_attribute(points_.at(path).array.get(), "closed",
+                  shape == XdmfGrid::Shape::closed_polyline ? 1ULL : 0ULL);
   }
-  pending_.clear();
-  padded_.clear();
-  agree(comm_, failure);
-  agree_after(comm_, [&] { check_hdf5(H5Fflush(h5_->get(), H5F_SCOPE_LOCAL), h5_path_); });
+  shapes_.push_back({name, shape, stored(path, static_cast<int>(points.size()), 2, false), {}, {}});
 }
 
-void SnapshotWriter::File::write_xdmf() {
-  const bool writes = rank_ == 0;
+void SnapshotWriter::File::tell(const Snapshot& snapshot) {
   try {
-    write_text_atomically(comm_, folder_ + "/snapshots.xdmf",
-                          writes ? tissue_series_.text() : std::string(), Durable::no);
-    write_text_atomically(comm_, folder_ + "/snapshots_needle.xdmf",
-                          writes ? shape_series_.text() : std::string(), Durable::no);
+    agree_after(comm_, [&] {
+      if (rank_ != 0) return;
+      tissue_series_->add(snapshot.time, tissue_);
+      if (!shapes_.empty()) shape_series_->add(snapshot.time, shapes_);
+    });
   } catch (const Error&) {
-    h5_.reset();
+    close();
     throw;
   }
 }
 
 void SnapshotWriter::File::close() {
-  if (!h5_) return;
-  const hid_t id = h5_->release();
-  h5_.reset();
-  agree_after(comm_, [&] { check_hdf5(H5Fclose(id), h5_path_); });
+  if (!std::exchange(is_open_, false)) return;
+  agree_after(comm_, [&] {
+    if (!h5_) return;
+    flags_.clear();
+    points_.clear();
+    connectivity_.reset();
+    h5_->close();
+    room_.free();
+    tissue_series_->finish();
+    shape_series_->finish();
+  });
 }
 
 SnapshotWriter::SnapshotWriter(MPI_Comm comm, const std::string& folder)
     : file_(std::make_unique<File>(comm, folder)) {}
 
-SnapshotWriter::~SnapshotWriter() {
-  if (std::uncaught_exceptions() > 0) file_->abandon();
-}
+SnapshotWriter::~SnapshotWriter() = default;
 
 void SnapshotWriter::write(const Snapshot& snapshot) {
   file_->write(snapshot);

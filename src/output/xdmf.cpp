@@ -1,6 +1,6 @@
 #include "stylet/output/xdmf.hpp"
 
-#include "stylet/output/history.hpp"
+#include "stylet/output/csv.hpp"
 
 namespace stylet {
 
@@ -49,6 +49,13 @@ std::string topology(const std::string& type, int n_elements, int n_nodes, bool 
 
 }  // namespace
 
+XdmfSeries::XdmfSeries(const std::string& path, std::string h5_name)
+    : h5_name_(std::move(h5_name)),
+      file_(path,
+            "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+            "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
+            "</Grid>\n</Domain>\n</Xdmf>\n") {}
+
 std::string XdmfSeries::data_item(const StoredArray& array) const {
   std::string extent = std::to_string(array.n_rows);
   if (array.n_columns > 1) extent += ' ' + std::to_string(array.n_columns);
@@ -58,50 +65,44 @@ std::string XdmfSeries::data_item(const StoredArray& array) const {
          escaped(h5_name_) + ":" + array.path + "</DataItem>";
 }
 
-void XdmfSeries::append_grid(const XdmfGrid& grid, const std::string& time) {
-  steps_ += "<Grid Name=\"" + escaped(grid.name) + "\" GridType=\"Uniform\">\n" + time;
+std::string XdmfSeries::grid_text(const XdmfGrid& grid, const std::string& time) const {
+  std::string text = "<Grid Name=\"" + escaped(grid.name) + "\" GridType=\"Uniform\">\n" + time;
   const int n_points = static_cast<int>(grid.points.n_rows);
   switch (grid.shape) {
     case XdmfGrid::Shape::triangles:
-      steps_ += "<Topology TopologyType=\"Triangle\" NumberOfElements=\"" +
-                std::to_string(grid.connectivity.n_rows) + "\">" + data_item(grid.connectivity) +
-                "</Topology>\n";
+      text += "<Topology TopologyType=\"Triangle\" NumberOfElements=\"" +
+              std::to_string(grid.connectivity.n_rows) + "\">" + data_item(grid.connectivity) +
+              "</Topology>\n";
       break;
     case XdmfGrid::Shape::polyline:
-      steps_ += topology("Polyline", 1, n_points, false);
+      text += topology("Polyline", 1, n_points, false);
       break;
     case XdmfGrid::Shape::closed_polyline:
-      steps_ += topology("Polyline", 1, n_points + 1, true);
+      text += topology("Polyline", 1, n_points + 1, true);
       break;
     case XdmfGrid::Shape::points:
-      steps_ += topology("Polyvertex", n_points, 1, false);
+      text += topology("Polyvertex", n_points, 1, false);
       break;
   }
-  steps_ += "<Geometry GeometryType=\"XY\">" + data_item(grid.points) + "</Geometry>\n";
+  text += "<Geometry GeometryType=\"XY\">" + data_item(grid.points) + "</Geometry>\n";
   for (const XdmfAttribute& attribute : grid.attributes) {
-    steps_ += "<Attribute Name=\"" + escaped(attribute.name) + "\" AttributeType=\"" +
-              (attribute.values.n_columns == 3 ? "Vector" : "Scalar") + "\" Center=\"" +
-              (attribute.on_cells ? "Cell" : "Node") + "\">" + data_item(attribute.values) +
-              "</Attribute>\n";
+    text += "<Attribute Name=\"" + escaped(attribute.name) + "\" AttributeType=\"" +
+            (attribute.values.n_columns == 3 ? "Vector" : "Scalar") + "\" Center=\"" +
+            (attribute.on_cells ? "Cell" : "Node") + "\">" + data_item(attribute.values) +
+            "</Attribute>\n";
   }
-  steps_ += "</Grid>\n";
+  return text + "</Grid>\n";
 }
 
 void XdmfSeries::add(double time, const XdmfGrid& grid) {
-  append_grid(grid, time_element(time));
+  file_.append(grid_text(grid, time_element(time)));
 }
 
 void XdmfSeries::add(double time, const std::vector<XdmfGrid>& grids) {
-  steps_ += "<Grid Name=\"parts\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" +
-            time_element(time);
-  for (const XdmfGrid& grid : grids) append_grid(grid, "");
-  steps_ += "</Grid>\n";
-}
-
-std::string XdmfSeries::text() const {
-  return "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-         "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n" +
-         steps_ + "</Grid>\n</Domain>\n</Xdmf>\n";
+  std::string text = "<Grid Name=\"parts\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" +
+                     time_element(time);
+  for (const XdmfGrid& grid : grids) text += grid_text(grid, "");
+  file_.append(text + "</Grid>\n");
 }
 
 }  // namespace stylet

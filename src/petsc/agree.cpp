@@ -1,6 +1,5 @@
 #include "stylet/petsc/agree.hpp"
 
-#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <cerrno>
@@ -16,12 +15,12 @@ namespace {
 
 void broadcast(MPI_Comm comm, std::string& text, int root) {
   auto size = static_cast<unsigned long long>(text.size());
-  check_mpi(MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG_LONG, root, comm));
+  MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG_LONG, root, comm);
   text.resize(size);
   constexpr unsigned long long piece = 1ULL << 30;  // MPI counts are int
   for (unsigned long long at = 0; at < size; at += piece) {
     const int n = static_cast<int>(std::min(piece, size - at));
-    check_mpi(MPI_Bcast(text.data() + at, n, MPI_CHAR, root, comm));
+    MPI_Bcast(text.data() + at, n, MPI_CHAR, root, comm);
   }
 }
 
@@ -31,11 +30,11 @@ void agree(MPI_Comm comm, const std::optional<Failure>& failure) {
   const int none = size_of(comm);
   int mine = failure ? rank_of(comm) : none;
   int first = none;
-  check_mpi(MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm));
+  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, comm);
   if (first == none) return;
   int code = failure ? static_cast<int>(failure->code) : 0;
   std::string message = failure ? failure->message : std::string();
-  check_mpi(MPI_Bcast(&code, 1, MPI_INT, first, comm));
+  MPI_Bcast(&code, 1, MPI_INT, first, comm);
   broadcast(comm, message, first);
   throw Error(static_cast<ExitCode>(code), message);
 }

@@ -1,9 +1,11 @@
 #include "stylet/petsc/check.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/petsc/session.hpp"
 
-#include <mpi.h>
-
+#include <algorithm>
+#include <array>
 #include <new>
 #include <string>
 
@@ -40,13 +42,18 @@ void check(PetscErrorCode code, const char* file, int line) {
   throw Error(is_input ? ExitCode::bad_input : ExitCode::other, message);
 }
 
-void check_mpi(int code, const char* file, int line) {
-  if (code == MPI_SUCCESS) return;
-  char text[MPI_MAX_ERROR_STRING];
-  int length = 0;
-  MPI_Error_string(code, text, &length);
-  throw Error(ExitCode::other, "MPI: " + std::string(text, static_cast<std::size_t>(length)) +
-                                   " (" + file + ":" + std::to_string(line) + ")");
+void check_options(PetscErrorCode code, const char* file, int line) {
+  constexpr std::array arguments{PETSC_ERR_SUP, PETSC_ERR_ARG_SIZ, PETSC_ERR_ARG_WRONG,
+                                 PETSC_ERR_ARG_OUTOFRANGE, PETSC_ERR_ARG_INCOMP};
+  const auto& given = solver_options();
+  const bool blames_them =
+      !given.empty() && !pending() && std::ranges::find(arguments, code) != arguments.end();
+  try {
+    check(code, file, line);
+  } catch (const Error& error) {
+    if (!blames_them) throw;
+    throw InputError("PETSc options " + join(given) + ": " + error.what());
+  }
 }
 
 }  // namespace stylet

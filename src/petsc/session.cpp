@@ -101,6 +101,9 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   // Errors are returned and become exceptions (check); PETSc's own traceback would repeat them.
   check(PetscPushErrorHandler(PetscReturnErrorHandler, nullptr));
   check(PetscPopSignalHandler());
+  // An error of MPI ends the job where it happens, whatever -mpi_return_on_error says: the libraries
+  // below PETSc (MUMPS, hypre, ScaLAPACK) do not look at what their MPI calls return.
+  MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_ARE_FATAL);
   for (const int signal : ignored) std::signal(signal, SIG_IGN);  // PETSc has forgotten it
   use_in_this_thread();
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is a failed write, not an end
@@ -119,13 +122,13 @@ Session::~Session() {
 
 int rank_of(MPI_Comm comm) {
   int rank = 0;
-  check_mpi(MPI_Comm_rank(comm, &rank));
+  MPI_Comm_rank(comm, &rank);
   return rank;
 }
 
 int size_of(MPI_Comm comm) {
   int size = 0;
-  check_mpi(MPI_Comm_size(comm, &size));
+  MPI_Comm_size(comm, &size);
   return size;
 }
 
@@ -165,7 +168,7 @@ int fail(int code, const std::string& message) {
 int with_output_written(int code) {
   int reason = std::fflush(stdout) != 0 ? errno : 0;
   if (reason == 0 && std::ferror(stdout) != 0) reason = EIO;  // an earlier write
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &reason, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD));
+  MPI_Allreduce(MPI_IN_PLACE, &reason, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
   if (reason == 0) return code;
   return fail(static_cast<int>(ExitCode::io),
               std::string("standard output cannot be written: ") + std::strerror(reason));

@@ -157,11 +157,13 @@ class Rules {
     if (scene_.time.method == TimeMethod::explicit_newmark) return;  // its steps are far shorter
     for (const Action& action : needle.motion) {
       const double travel = action.speed * scene_.time.step;
-      require(action.kind != ActionKind::insert || needle.cutting.increment >= travel,
-              path + ".cutting.increment",
-              "at least " + exact(travel) +
-                  " m, which is what the needle travels in a time.step of " +
-                  exact(scene_.time.step) + " s");
+      constexpr double round_off = 1e-9;  // of the product, and of the number that is printed
+      require(
+          action.kind != ActionKind::insert || needle.cutting.increment >= (1 - round_off) * travel,
+          path + ".cutting.increment",
+          "at least " + ten_digits(travel) +
+              " m, which is what the needle travels in a time.step of " +
+              ten_digits(scene_.time.step) + " s");
     }
   }
 
@@ -336,6 +338,24 @@ std::string why_not_at_rest(const Scene& scene) {
 void refuse_key(const Scene& scene, const std::string& path, const std::string& message) {
   const std::string& where = closest(scene.document, path).where;
   throw InputError((where.empty() ? scene.file : where) + ": key '" + path + "': " + message);
+}
+
+void check_needle(const Scene& scene, const NeedleParameters& needle) {
+  Scene alone;
+  alone.file = scene.file;
+  alone.mesh = scene.mesh;
+  alone.tissue = scene.tissue;
+  alone.time = scene.time;
+  alone.time.duration = 0;
+  alone.time.until_implanted = false;
+  alone.needles = {needle};
+  // The hand's orders are its motion; of those to come nothing is known.
+  Action insert;
+  insert.kind = ActionKind::insert;
+  insert.speed = std::numeric_limits<double>::min();
+  insert.depth = 0;
+  alone.needles.front().motion = {insert};
+  check(alone);
 }
 
 void check(const Scene& scene) {

@@ -10,6 +10,7 @@
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/simulation/needle_path.hpp"
+#include "stylet/simulation/track_binding.hpp"
 
 #include <algorithm>
 #include <array>
@@ -48,9 +49,14 @@ Body::Body(MPI_Comm comm, const Scene& scene, bool live)
     : scene_(scene),
       numbered_(checked_mesh(comm, scene)),
       conditions_(scene, mesh()),
-      tissue_(make_tissue(comm, scene, numbered_, live)),
-      ledger_(*tissue_, mesh(), scene.time, scene.tissue.thickness),
+      tissue_(make_tissue(
+          comm,
+          scene,
+          numbered_,
+          live,
+          scene.time.method == TimeMethod::explicit_newmark ? Stiffness::rows : Stiffness::matrix)),
       integrator_(make_integrator(*tissue_, mesh(), scene.time)),
+      ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.thickness),
       held_(conditions_.prescribed(0)) {
   if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty() || live) {
     check_held(scene, mesh(), held_);
@@ -95,7 +101,9 @@ State& Body::state() {
   return state_;
 }
 
-ConstraintSet Body::beside_held(ConstraintSet constraints) const {
+ConstraintSet Body::beside_held(const TrackConditions& conditions,
+                                const TrackOperator& track) const {
+  ConstraintSet constraints = bind(conditions, track, tissue_->n_dofs());
   std::erase_if(constraints.dofs, [&](const PrescribedDof& c) {
     return std::ranges::binary_search(held_, c.dof, {}, &PrescribedDof::dof);
   });
@@ -182,16 +190,53 @@ NeedleView Body::view(std::span<const int> nodes) const {
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(states)};
 }
 
-TrialView Body::view(std::span<const int> nodes, const Trial& trial) const {
+// Values of vectors at points of a track.
+std::vector<std::vector<TrackVector>> Body::on_track(const TrackOperator& track,
+                                                     std::span<const int> points,
+                                                     std::span<const Vec> vectors) const {
+  std::vector<int> dofs;
+  std::vector<double> signs;
+  for (const int point : points) {
+    for (const Component component : {Component::along, Component::across}) {
+      const auto [dof, sign] = find_coordinate(track, {point, component}, tissue_->n_dofs());
+      dofs.push_back(dof);
+      signs.push_back(sign);
+    }
+  }
+  std::vector<std::vector<TrackVector>> result;
+  for (const auto& values : gather(vectors, dofs)) {
+    auto& of_vector = result.emplace_back();
+    for (std::size_t i = 0; i < dofs.size(); i += 2) {
+      of_vector.push_back({signs[i] * values[i], signs[i + 1] * values[i + 1]});
+    }
+  }
+  return result;
+}
+
+TrackStart Body::view(const TrackOperator& track, std::span<const int> points) const {
+  std::vector<int> nodes;
+  for (const int dof : coordinates_of(track, points, tissue_->n_dofs())) nodes.push_back(dof / 2);
+  sort_unique(nodes);
+  integrator_->complete_at(nodes);
+  const Vec vectors[1] = {state_.u.get()};
+  return {std::vector<int>(points.begin(), points.end()), on_track(track, points, vectors)[0]};
+}
+
+TrackTrial Body::view(const TrackOperator& track,
+                      std::span<const int> points,
+                      const Trial& trial) const {
   const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
                           trial.settled.reaction};
-  const auto g = gather(vectors, dofs_of(nodes));
-  std::vector<NodeTrial> trials;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const auto of = [&](std::size_t k) { return Vector2{g[k][2 * i], g[k][2 * i + 1]}; };
-    trials.push_back({of(0), of(1), of(2), of(3), of(4)});
+  const auto values = on_track(track, points, vectors);
+  std::vector<PointTrial> trials;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    trials.push_back({values[0][i], values[1][i], values[2][i], values[3][i], values[4][i]});
   }
-  return {std::vector<int>(nodes.begin(), nodes.end()), std::move(trials)};
+  return {std::vector<int>(points.begin(), points.end()), std::move(trials)};
+}
+
+void Body::watch(const TrackOperator& track, std::span<const int> points) {
+  integrator_->watch(coordinates_of(track, points, tissue_->n_dofs()));
 }
 
 void Body::start() {
@@ -226,7 +271,7 @@ void Body::update_load(double t) {
 }
 
 Trial Body::attempt(const ConstraintSet& constraints, bool edited) {
-  ConstraintSet set = beside_held(constraints);
+  ConstraintSet set = constraints;
   set.load_jumps = load_changes_ || renewed_;
   return integrator_->attempt(set, edited);
 }
@@ -238,7 +283,7 @@ Trial Body::finish(bool whole) {
 // Work of the forces on prescribed curves in a step that is about to be accepted (J).
 double Body::prescribed_work(const Trial& trial) const {
   double work = 0;
-  const double end = ledger_.end_weight(trial);
+  const double end = trial.end_weight;
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
       const Vec vectors[4] = {reaction_.get(), trial.working.reaction, state_.u.get(), trial.u};

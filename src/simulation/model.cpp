@@ -15,6 +15,7 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
+#include "stylet/simulation/room.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,16 +28,15 @@ namespace {
 
 MeshData source_mesh(MPI_Comm comm, const Scene& scene, std::string& file_fingerprint) {
   if (const auto* rectangle = std::get_if<RectangleMesh>(&scene.mesh.source)) {
+    require_room(comm, scene, 2.0 * rectangle->columns * rectangle->rows);
     return make_rectangle(*rectangle);
   }
   const std::string name = mesh_path(scene);
   const std::string bytes = read_on_all(comm, name);
   file_fingerprint = fingerprint(bytes);
-  return read_gmsh(name, bytes, scene.mesh.scale, 2);
-}
-
-std::string at(ReferencePoint x) {
-  return "(" + ten_digits(x.x) + ", " + ten_digits(x.y) + ") m";
+  MeshData data = read_gmsh(name, bytes, scene.mesh.scale, 2);
+  require_room(comm, scene, data.n_cells());
+  return data;
 }
 
 void check_inside(const Scene& scene,
@@ -55,12 +55,10 @@ void check_inside(const Scene& scene,
     high[0] = std::max(high[0], p.x);
     high[1] = std::max(high[1], p.y);
   }
-  for (std::size_t k = 0; k < 2; ++k) {  // what is left of 0 after the turns
-    constexpr double nothing = 1e-12;
-    for (double* end : {&low[k], &high[k]}) {
-      if (std::abs(*end) < nothing * (high[k] - low[k])) *end = 0;
-    }
-  }
+  const double size = std::max(high[0] - low[0], high[1] - low[1]);
+  const auto at = [size](ReferencePoint p) {
+    return "(" + ten_digits(cleared(p.x, size)) + ", " + ten_digits(cleared(p.y, size)) + ") m";
+  };
   throw InputError(scene.file + ": key '" + below(key, name) + "': " + at(rotation.to_scene(x)) +
                    " lies outside the tissue, which spans " + at({low[0], low[1]}) + " to " +
                    at({high[0], high[1]}));
@@ -150,7 +148,11 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
     check_name(scene, "tissue.regions", [&] { (void)mesh.region_index(region.region); });
   }
   for (const auto& support : scene.supports) {
-    check_name(scene, "supports", [&] { (void)mesh.facets_of(support.curve); });
+    // A point that is held stays where it is: no needle takes it along.
+    check_name(scene, "supports", [&] {
+      (void)mesh.facets_of(support.curve);
+      if (support.kind != SupportKind::free) mesh.lock_curve(support.curve);
+    });
   }
   for (const auto& traction : scene.tractions) {
     check_name(scene, "loads.traction", [&] { mesh.lock_curve(traction.curve); });
@@ -179,8 +181,8 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
   const auto require_countable = [&](double duration, const std::string& what) {
     constexpr double most = 1e12;  // far beyond any patience, and time still moves in each of them
     if (duration / step <= most) return;
-    throw InputError(scene.file + ": key 'time.step': steps of " + exact(step) +
-                     " s are too short for " + what + ", which takes " + exact(duration) +
+    throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
+                     " s are too short for " + what + ", which takes " + ten_digits(duration) +
                      " s; allowed: at most 1e12 steps");
   };
   require_countable(scene.time.duration, "time.duration");
@@ -199,10 +201,10 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
     if (inserting == 0) continue;
     const double longest = inserting / fewest;
     if (step <= longest * (1 + 1e-9)) continue;
-    throw InputError(scene.file + ": key 'time.step': steps of " + exact(step) +
+    throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
                      " s are too long for needle '" + needle.name + "', which is inserted in " +
-                     exact(inserting) + " s; allowed: at most a quarter of that, " +
-                     exact(longest) + " s");
+                     ten_digits(inserting) + " s; allowed: at most a quarter of that, " +
+                     ten_digits(longest) + " s");
   }
 }
 
@@ -223,10 +225,8 @@ std::function<bool(int)> near_needles(const Scene& scene,
   };
 }
 
-std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
-                                            const Scene& scene,
-                                            const NumberedMesh& numbered,
-                                            bool live) {
+std::unique_ptr<TissueOperator> make_tissue(
+    MPI_Comm comm, const Scene& scene, const NumberedMesh& numbered, bool live, Stiffness kept) {
   std::vector<double> heights;
   if (!live) {
     for (const NeedleParameters& needle : scene.needles) heights.push_back(needle.height);
@@ -234,7 +234,7 @@ std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
   std::function<bool(int)> needs_flips;
   if (live || !heights.empty()) needs_flips = near_needles(scene, numbered.mesh, heights);
   return std::make_unique<TissueOperator>(comm, numbered.mesh, numbered.first_node, scene.tissue,
-                                          needs_flips, live);
+                                          needs_flips, kept, live);
 }
 
 std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& region) {

@@ -1,10 +1,12 @@
 #include "stylet/simulation/needle_path.hpp"
 
+#include "stylet/base/text.hpp"
 #include "stylet/needle/stops.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace stylet {
@@ -120,20 +122,31 @@ void check_curve(const Scene& scene,
   }
 }
 
+struct HeldCurve {
+  std::string curve;
+  std::string condition;
+};
+std::vector<HeldCurve> held_curves(const Scene& scene) {
+  std::vector<HeldCurve> curves;
+  for (const auto& support : scene.supports) {
+    if (support.kind == SupportKind::free) continue;
+    curves.push_back({support.curve, "held (supports." + support.curve + ": " +
+                                         (support.kind == SupportKind::fixed ? "fixed" : "roller") +
+                                         ")"});
+  }
+  for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
+    curves.push_back({scene.prescribed[i].curve, "moved (prescribed." + std::to_string(i) + ")"});
+  }
+  return curves;
+}
+
 void check_curves(const Scene& scene,
                   const Mesh& mesh,
                   const Conditions& conditions,
                   std::size_t needle,
                   const NeedlePath& path) {
-  for (const auto& support : scene.supports) {
-    if (support.kind == SupportKind::free) continue;
-    check_curve(scene, mesh, needle, path, support.curve,
-                std::string("held (supports.") + support.curve + ": " +
-                    (support.kind == SupportKind::fixed ? "fixed" : "roller") + ")");
-  }
-  for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    check_curve(scene, mesh, needle, path, scene.prescribed[i].curve,
-                "moved (prescribed." + std::to_string(i) + ")");
+  for (const auto& [curve, condition] : held_curves(scene)) {
+    check_curve(scene, mesh, needle, path, curve, condition);
   }
   // The mesh has to keep a loaded curve as it is, so that no needle gets through one.
   for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
@@ -243,6 +256,32 @@ void check_needles(const Scene& scene, const Mesh& mesh, const Conditions& condi
     }
     check_curves(scene, mesh, conditions, i, path);
   }
+}
+
+std::string held_points_text(const Scene& scene,
+                             const Mesh& mesh,
+                             std::span<const PrescribedDof> held,
+                             std::span<const int> nodes) {
+  const auto is_held = [&](int node) {
+    return std::ranges::any_of(std::array{2 * node, 2 * node + 1}, [&](int dof) {
+      return std::ranges::binary_search(held, dof, {}, &PrescribedDof::dof);
+    });
+  };
+  std::vector<int> met;
+  std::ranges::copy_if(nodes, std::back_inserter(met), is_held);
+  if (met.empty()) return {};
+  std::vector<std::string> places;
+  for (const auto& [curve, condition] : held_curves(scene)) {
+    std::vector<std::string> points;
+    for (const int node : mesh.nodes_of(curve)) {
+      if (std::ranges::find(met, node) == met.end()) continue;
+      points.push_back(point_text(scene, mesh.point(node)));
+    }
+    if (points.empty()) continue;
+    std::ranges::sort(points);  // the same on every number of ranks
+    places.push_back(join(points) + " of curve '" + curve + "', which is " + condition);
+  }
+  return join(places, "; ");
 }
 
 }  // namespace stylet

@@ -30,13 +30,11 @@ std::string time_text(double seconds) {
 }
 
 std::string pair_text(const Scene& scene, Vector2 v, const std::string& unit) {
-  const Vector2 turned = Rotation(scene.needle_angle).to_scene(v);
-  return "(" + brief(turned.x) + ", " + brief(turned.y) + ") " + unit;
+  return stylet::pair_text(scene, v) + " " + unit;
 }
 
 std::string centimetres(const Scene& scene, ReferencePoint x) {
-  const auto p = Rotation(scene.needle_angle).to_scene(x);
-  return "(" + brief(1e2 * p.x) + ", " + brief(1e2 * p.y) + ") cm";
+  return stylet::pair_text(scene, x, 1e2) + " cm";
 }
 
 class Overview {

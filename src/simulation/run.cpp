@@ -164,7 +164,7 @@ Contents contents_of(const Scene& scene) {
 /// Collective. Ends the run where a signal asked for it or the history cannot be written.
 void heed(MPI_Comm comm, Recorder& recorder) {
   int news[2] = {StatusFile::signal(), recorder.failed() ? 1 : 0};
-  if (size_of(comm) > 1) check_mpi(MPI_Allreduce(MPI_IN_PLACE, news, 2, MPI_INT, MPI_MAX, comm));
+  if (size_of(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, news, 2, MPI_INT, MPI_MAX, comm);
   if (news[1] != 0) recorder.close();
   if (news[0] != 0) throw Stopped(news[0], ::sigabbrev_np(news[0]));
 }

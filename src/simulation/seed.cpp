@@ -3,6 +3,8 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/simulation/point_text.hpp"
 
+#include <cmath>
+
 namespace stylet {
 
 // A seed is where a needle left it that had cut its way there.
@@ -12,7 +14,10 @@ std::string why_no_seed(const Needle& needle, double largest_tip_force) {
   const std::string who = "needle '" + needle.parameters().name + "' ";
   if (needle.released()) {
     return who + "implants a seed, but its tip is not in the tissue: it stands " +
-           brief(-1e3 * depth) + " mm in front of the skin's place at entry";
+           brief(1e3 * std::abs(depth)) +
+           (depth > 0
+                ? " mm behind the skin's place at entry, and the tissue has moved away from it"
+                : " mm in front of the skin's place at entry");
   }
   const bool beyond = needle.tip_contact() != TipContact::open && depth >= path;
   if (needle.track().size() == 2 && !beyond) {

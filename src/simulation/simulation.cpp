@@ -4,6 +4,7 @@
 #include "stylet/base/text.hpp"
 #include "stylet/geometry/triangle.hpp"
 #include "stylet/scene/check.hpp"
+#include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/recorded.hpp"
 
@@ -16,15 +17,14 @@ namespace {
 
 std::vector<EmbeddedPoint> embedded_in(const Mesh& mesh,
                                        std::span<const ReferencePoint> points,
-                                       const Rotation& rotation) {
+                                       const Scene& scene) {
   std::vector<EmbeddedPoint> embedded;
   int hint = 0;
   for (const auto& x : points) {
     const auto found = locate(mesh, x, hint);
     if (!found) {
-      const auto written = rotation.to_scene(x);
-      throw InputError("membrane.polygon: a vertex lies outside the tissue: (" +
-                       ten_digits(written.x) + ", " + ten_digits(written.y) + ") m");
+      refuse_key(scene, "membrane.polygon",
+                 "a vertex lies outside the tissue: " + point_text(scene, x));
     }
     embedded.push_back(*found);
     hint = found->cell;
@@ -43,10 +43,17 @@ double extent_of(const Mesh& mesh) {
   return last - first;
 }
 
+// Of a file it has been checked when it was read, and has the document that it was read from.
+Scene checked(Scene scene) {
+  if (scene.document.kind == Node::Kind::null) check(scene);
+  if (scene.file.empty()) scene.file = scene_in_code;
+  return scene;
+}
+
 }  // namespace
 
 Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand)
-    : scene_(in_needle_frame(with_procedure(comm, std::move(scene), procedure_note_))),
+    : scene_(in_needle_frame(with_procedure(comm, checked(std::move(scene)), procedure_note_))),
       live_(hand != nullptr || scene_.procedure),
       body_(comm, scene_, live_),
       hand_(std::move(hand)),
@@ -61,7 +68,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::uniqu
   if (scene_.membrane) {
     auto& polygon = scene_.membrane->polygon;
     if (polygon.empty()) polygon = region_outline(mesh(), scene_.membrane->region);
-    membrane_ = body_.embed(embedded_in(mesh(), polygon, rotation()));
+    membrane_ = body_.embed(embedded_in(mesh(), polygon, scene_));
   }
   std::vector<EmbeddedPoint> probes;
   for (const auto& probe : scene_.probes) probes.push_back(*locate(mesh(), probe.point));
@@ -74,8 +81,20 @@ StepRecord Simulation::step() {
   try {
     return step_unguarded();
   } catch (const NumericalError& error) {
-    throw NumericalError("at t = " + exact(time()) + " s: " + error.what());
+    throw NumericalError("at t = " + ten_digits(time()) + " s: " + error.what() + held_points());
   }
+}
+
+// Held points beside the needle are what it cannot push away: the likely cause of a step that fails.
+std::string Simulation::held_points() const {
+  if (!needle_ || needle_->track().empty() || needle_->released()) return {};
+  std::vector<int> nodes = needle_->watched();
+  const auto loaded = needle_->loaded_points();
+  nodes.insert(nodes.end(), loaded.begin(), loaded.end());
+  const std::string points = held_points_text(scene_, mesh(), body_.held(), nodes);
+  return points.empty() ? points
+                        : "; needle '" + needle_->parameters().name +
+                              "' meets points that it cannot move: " + points;
 }
 
 StepRecord Simulation::step_unguarded() {
@@ -226,7 +245,8 @@ void Simulation::implant(const std::string& target) {
 
 ConstraintSet Simulation::constraints() const {
   ConstraintSet set;
-  if (needle_ && !needle_->released()) set = body_.beside_held(needle_->constraints());
+  if (needle_ && !needle_->released())
+    set = body_.beside_held(needle_->conditions(), needle_->track_operator());
   set.dofs.insert(set.dofs.end(), body_.held().begin(), body_.held().end());
   return set;
 }

@@ -41,22 +41,24 @@ bool shorten(Body& body, Hand& hand, Needle* needle, NeedleStep& step) {
 }
 
 // Rounds of edits, solve and review until every contact and the cut agree with the motion. Returns the
-// nodes that the needle loads.
+// points that the needle loads.
 std::vector<int> settle(Body& body, Hand& hand, Needle* needle, NeedleStep& step, SubStep& result) {
   std::vector<int> loaded;
+  ConstraintSet constraints;
   for (;;) {
     const bool edited = needle != nullptr && edit(body, *needle);
     if (edited) shorten(body, hand, needle, step);
     if (needle != nullptr) {
-      loaded = needle->loaded_nodes();
-      body.watch(loaded);
+      loaded = needle->loaded_points();
+      body.watch(needle->track_operator(), loaded);
+      constraints = body.beside_held(needle->conditions(), needle->track_operator());
     }
-    const Trial trial =
-        body.attempt(needle != nullptr ? needle->constraints() : ConstraintSet{}, edited);
+    const Trial trial = body.attempt(constraints, edited);
     ++result.passes;
     result.iterations += trial.iterations;
     if (shorten(body, hand, needle, step)) continue;
-    if (needle == nullptr || needle->review(body.view(loaded, trial), multiplier(trial))) {
+    if (needle == nullptr ||
+        needle->review(body.view(needle->track_operator(), loaded, trial), multiplier(trial))) {
       return loaded;
     }
     if (result.passes > most_passes) {
@@ -81,8 +83,9 @@ SubStep take_step(Body& body, Hand& hand, Needle* needle, double longest) {
   const auto loaded = settle(body, hand, active, step, result);
   const Trial trial = body.finish(active == nullptr || awaits_rest);
   if (active != nullptr) {
-    result.needle = active->commit(body.view(loaded), body.view(loaded, trial), multiplier(trial),
-                                   body.ledger().end_weight(trial));
+    const TrackOperator& track = active->track_operator();
+    result.needle = active->commit(body.view(track, loaded), body.view(track, loaded, trial),
+                                   multiplier(trial), trial.end_weight);
   } else if (needle != nullptr) {
     needle->move_free(step);
   }

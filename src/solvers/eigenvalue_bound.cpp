@@ -1,6 +1,7 @@
 #include "stylet/solvers/eigenvalue_bound.hpp"
 
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/gather.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -9,27 +10,6 @@
 #include <numeric>
 
 namespace stylet {
-
-namespace {
-
-void absolute(Mat matrix) {
-  Mat parts[2] = {matrix, nullptr};
-  PetscBool split = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix), MATMPIAIJ, &split));
-  if (split == PETSC_TRUE) check(MatMPIAIJGetSeqAIJ(matrix, &parts[0], &parts[1], nullptr));
-  for (Mat part : parts) {
-    if (part == nullptr) continue;
-    MatInfo info;
-    PetscScalar* values = nullptr;
-    check(MatGetInfo(part, MAT_LOCAL, &info));
-    check(MatSeqAIJGetArray(part, &values));
-    const auto n = static_cast<std::size_t>(info.nz_used);
-    for (double& value : std::span(values, n)) value = std::abs(value);
-    check(MatSeqAIJRestoreArray(part, &values));
-  }
-}
-
-}  // namespace
 
 EigenvalueBound::EigenvalueBound(const TissueOperator& tissue)
     : tissue_(tissue),
@@ -65,7 +45,7 @@ void EigenvalueBound::renew(std::span<const int> rows) {
   }
   double largest[2] = {even_.largest(), weighted_.largest()};
   if (size_of(tissue_.comm()) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm()));
+    MPI_Allreduce(MPI_IN_PLACE, largest, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm());
   }
   bound_ = std::min(largest[0], largest[1]);
 }
@@ -74,44 +54,44 @@ void EigenvalueBound::renew(std::span<const int> rows) {
 // no entry vanishes.
 void EigenvalueBound::make_weights() {
   constexpr int sweeps = 20;
-  OwnedMat size;
-  check(MatDuplicate(tissue_.stiffness(), MAT_COPY_VALUES, size.put()));
-  absolute(size.get());
-  OwnedVec root = tissue_.make_vector();
-  check(VecCopy(tissue_.lumped_mass(), root.get()));
-  check(VecSqrtAbs(root.get()));
-  check(VecReciprocal(root.get()));
-  check(MatDiagonalScale(size.get(), root.get(), root.get()));
   OwnedVec x = tissue_.make_vector();
-  OwnedVec product = tissue_.make_vector();
   check(VecSet(x.get(), 1));
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    check(MatMult(size.get(), x.get(), product.get()));
-    PetscReal largest[2] = {0, 0};
-    check(VecNorm(product.get(), NORM_INFINITY, &largest[0]));
-    check(VecNorm(x.get(), NORM_INFINITY, &largest[1]));
-    check(VecAXPBY(x.get(), 0.5 / largest[0], 0.5 / largest[1], product.get()));
+  for (int sweep = 0; sweep <= sweeps; ++sweep) {
+    weights_ = gather_all(x.get());
+    if (sweep == sweeps) return;
+    double largest[2] = {0, 0};
+    Entries next(x.get());
+    std::vector<double> product;
+    for (int row = tissue_.first_dof(); row < tissue_.end_dof(); ++row) {
+      double sum = 0;
+      tissue_.along_row(row, [&](int column, double value) {
+        const auto j = static_cast<std::size_t>(column);
+        sum += std::abs(value) * inverse_root_[j / 2] * weights_[j];
+      });
+      product.push_back(sum * inverse_root_[static_cast<std::size_t>(row / 2)]);
+      largest[0] = std::max(largest[0], product.back());
+      largest[1] = std::max(largest[1], next[row]);
+    }
+    MPI_Allreduce(MPI_IN_PLACE, largest, 2, MPI_DOUBLE, MPI_MAX, tissue_.comm());
+    for (std::size_t i = 0; i < product.size(); ++i) {
+      double& entry = next.data()[i];
+      entry = 0.5 / largest[0] * product[i] + 0.5 / largest[1] * entry;
+    }
   }
-  weights_ = gather_all(x.get());
 }
 
 // The larger of a node's two rows.
 EigenvalueBound::Bounds EigenvalueBound::row_bounds(int node) const {
   Bounds largest{0, 0};
   for (int row = 2 * node; row < 2 * node + 2; ++row) {
-    PetscInt n = 0;
-    const PetscInt* columns = nullptr;
-    const PetscScalar* values = nullptr;
-    check(MatGetRow(tissue_.stiffness(), row, &n, &columns, &values));
     double even = 0;
     double weighted = 0;
-    for (PetscInt j = 0; j < n; ++j) {
-      const auto column = static_cast<std::size_t>(columns[j]);
-      const double entry = std::abs(values[j]) * inverse_root_[column / 2];
+    tissue_.along_row(row, [&](int of, double value) {
+      const auto column = static_cast<std::size_t>(of);
+      const double entry = std::abs(value) * inverse_root_[column / 2];
       even += entry;
       weighted += entry * weights_[column];
-    }
-    check(MatRestoreRow(tissue_.stiffness(), row, &n, &columns, &values));
+    });
     largest.even = std::max(largest.even, even);
     largest.weighted =
         std::max(largest.weighted, weighted / weights_[static_cast<std::size_t>(row)]);

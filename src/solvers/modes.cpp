@@ -87,8 +87,8 @@ std::vector<double> natural_frequencies(const TissueOperator& tissue,
   check(KSPGetPC(ksp, &pc));
   check(PCSetType(pc, PCCHOLESKY));
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  check(EPSSetFromOptions(eps.get()));
-  check(EPSSolve(eps.get()));
+  check_options(EPSSetFromOptions(eps.get()));
+  check_options(EPSSolve(eps.get()));
   PetscInt found = 0;
   check(EPSGetConverged(eps.get(), &found));
   if (found < n) {
@@ -158,8 +158,8 @@ double largest_frequency_squared(const TissueOperator& tissue, const ConstraintS
     Vec space[1] = {across.get()};
     check(EPSSetDeflationSpace(eps.get(), 1, space));
   }
-  check(EPSSetFromOptions(eps.get()));
-  check(EPSSolve(eps.get()));
+  check_options(EPSSetFromOptions(eps.get()));
+  check_options(EPSSolve(eps.get()));
   PetscInt found = 0;
   check(EPSGetConverged(eps.get(), &found));
   if (found < 1) throw NumericalError("the largest frequency did not converge");

@@ -73,7 +73,9 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   factored_.take(a, owned);
   whole_.factor(factored_.matrix());
   stale_ = false;
-  dofs_.clear();
+  coordinates_.clear();
+  rows_.clear();
+  only_dofs_ = true;
   index_.clear();
   changed_.clear();
   is_changed_.clear();
@@ -86,25 +88,30 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   s_y_.clear();
 }
 
-void NearField::include(std::span<const int> dofs) {
+void NearField::include(std::span<const int> coordinates) {
   std::vector<int> fresh;
-  for (const int dof : dofs) {
-    if (held_.contains(dof) || index_.contains(dof)) continue;
-    index_[dof] = dofs_.size() + fresh.size();
-    fresh.push_back(dof);
+  for (const int c : coordinates) {
+    if (held_.contains(c) || index_.contains(c)) continue;
+    index_[c] = coordinates_.size() + fresh.size();
+    fresh.push_back(c);
   }
   if (!fresh.empty()) grow(fresh);
 }
 
-// Borders S by the block inverse: with G12, G22 the new columns of A0^-1, X = S G12 and
+// Borders S by the block inverse: with G12, G22 the new columns of W, X = S G12 and
 // T = (G22 - G21 X)^-1, the new S is [S + X T X', -X T; -T X', T].
-void NearField::grow(std::span<const int> dofs) {
+void NearField::grow(std::span<const int> coordinates) {
   const std::size_t n = size();
-  const std::size_t m = dofs.size();
+  const std::size_t m = coordinates.size();
   const std::size_t all = n + m;
-  dofs_.insert(dofs_.end(), dofs.begin(), dofs.end());
+  for (const int c : coordinates) {
+    const bool is_dof = c < n_dofs_;
+    coordinates_.push_back(c);
+    rows_.push_back(is_dof ? SparseRow() : track_->row(place_of(n_dofs_, c)));
+    only_dofs_ = only_dofs_ && is_dof;
+  }
   is_changed_.resize(all, false);
-  std::vector<double> g = whole_.inverse_entries(dofs_, dofs);  // all x m
+  std::vector<double> g = compliance(n);  // all x m
   static const LogEvent event("StyletCondense");
   const LogScope scope(event);
   const PetscBLASInt bn = blas(n);
@@ -125,7 +132,7 @@ void NearField::grow(std::span<const int> dofs) {
   if (info == 0) LAPACKpotri_("L", &bm, t.data(), &bm, &info);
   int failed = info != 0 ? 1 : 0;
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm_));
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, comm_);
   }
   if (failed != 0) {
     throw NumericalError(
@@ -134,7 +141,7 @@ void NearField::grow(std::span<const int> dofs) {
   for (std::size_t j = 0; j < m; ++j) {
     for (std::size_t i = 0; i < j; ++i) t[j * m + i] = t[i * m + j];
   }
-  // E of the old dofs stays; new ones have none.
+  // E of the old ones stays; new ones have none.
   std::vector<double> e = k_;
   for (std::size_t i = 0; i < e.size(); ++i) e[i] -= s_[i];
   s_ = enlarged(s_, n, all);
@@ -158,7 +165,7 @@ void NearField::grow(std::span<const int> dofs) {
   for (std::size_t i = 0; i < k_.size(); ++i) k_[i] += s_[i];
   l_.assign(all * all, 0.0);
   valid_ = 0;
-  const auto values = whole_.loaded(dofs);
+  const auto values = loaded(n);
   y_near_.insert(y_near_.end(), values.begin(), values.end());
   s_y_ = product(s_, y_near_);
 }
@@ -191,8 +198,7 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
     ++r;
   }
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, e.data(), static_cast<int>(e.size()), MPI_DOUBLE, MPI_SUM,
-                            comm_));
+    MPI_Allreduce(MPI_IN_PLACE, e.data(), static_cast<int>(e.size()), MPI_DOUBLE, MPI_SUM, comm_);
   }
   const std::size_t n = size();
   for (std::size_t i = 0; i < m; ++i) {
@@ -211,7 +217,7 @@ void NearField::changed(Mat a, std::span<const int> dofs) {
 
 void NearField::load(Vec b) {
   whole_.load(b);
-  y_near_ = whole_.loaded(dofs_);
+  y_near_ = loaded(0);
   s_y_ = product(s_, y_near_);
 }
 
@@ -291,7 +297,7 @@ NearField::Solution NearField::solve(std::span<const double> extra,
   packed.back() = failure ? 1 : 0;
   std::ranges::copy(solution.x, packed.begin() + 1);
   std::ranges::copy(solution.reaction, packed.begin() + 1 + static_cast<std::ptrdiff_t>(n));
-  check_mpi(MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_));
+  MPI_Bcast(packed.data(), static_cast<int>(packed.size()), MPI_DOUBLE, 0, comm_);
   if (packed.back() != 0) {
     if (rank_of(comm_) != 0) failure.reset();
     agree(comm_, failure);

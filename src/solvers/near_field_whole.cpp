@@ -1,4 +1,4 @@
-// From the near dofs to all: solves with the factor, and their check.
+// From the near coordinates to all dofs: solves with the factor, and their check.
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/petsc/check.hpp"
@@ -13,13 +13,13 @@
 namespace stylet {
 
 void NearField::respond(std::span<const double> forces, Vec x) {
-  whole_.respond(std::span(dofs_).first(forces.size()), forces, false, x);
+  answer(forces, false, x);
 }
 
 void NearField::expand(std::span<const double> x_near, Vec x) {
   std::vector<double> difference(x_near.begin(), x_near.end());
   for (std::size_t i = 0; i < size(); ++i) difference[i] -= y_near_[i];
-  whole_.respond(dofs_, factored_forces(difference), true, x);
+  answer(factored_forces(difference), true, x);
 }
 
 // The largest entry but for those of eliminated dofs.
@@ -44,7 +44,7 @@ double NearField::largest_free(Vec residual) const {
     up_to(end);
   }
   if (size_of(comm_) > 1) {
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &size, 1, MPI_DOUBLE, MPI_MAX, comm_));
+    MPI_Allreduce(MPI_IN_PLACE, &size, 1, MPI_DOUBLE, MPI_MAX, comm_);
   }
   return size;
 }
@@ -78,12 +78,8 @@ bool NearField::complete(const Balance& balance,
     balance(x, residual);
     {
       Entries r(residual);
-      for (std::size_t i = 0; i < size(); ++i) {
-        if (r.owns(dofs_[i])) r[dofs_[i]] -= solution.reaction[i];
-      }
-      for (const auto& [at, weight] : weights) {
-        if (r.owns(dofs_[at])) r[dofs_[at]] -= solution.lambda * weight;
-      }
+      for (std::size_t i = 0; i < size(); ++i) subtract(i, solution.reaction[i], r);
+      for (const auto& [at, weight] : weights) subtract(at, solution.lambda * weight, r);
     }
     const double size = largest_free(residual);
     if (size <= wanted * scale) return round > 0;
@@ -102,12 +98,12 @@ bool NearField::complete(const Balance& balance,
       }
     }
     load(correction_.get());
-    const std::vector<double> none(dofs_.size(), 0.0);
+    const std::vector<double> none(coordinates_.size(), 0.0);
     const Solution more = solve(none, still, weights, 0);
     expand(more.x, correction_.get());
     check(VecAXPY(x, 1, correction_.get()));
     solution.lambda += more.lambda;
-    for (std::size_t i = 0; i < dofs_.size(); ++i) {
+    for (std::size_t i = 0; i < coordinates_.size(); ++i) {
       solution.x[i] += more.x[i];
       solution.reaction[i] += more.reaction[i];
     }

@@ -60,13 +60,13 @@ void widen_smoother(PC pc) {
 
 SolverKind kind_for(MPI_Comm comm, PetscInt n_dofs) {
   MPI_Comm machine = MPI_COMM_NULL;
-  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   const double memory =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   int kind = static_cast<int>(solver_for(n_dofs, size_of(comm), size_of(machine), memory));
-  check_mpi(MPI_Comm_free(&machine));
+  MPI_Comm_free(&machine);
   // The machine with the least room decides.
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm));
+  MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm);
   return static_cast<SolverKind>(kind);
 }
 
@@ -136,7 +136,7 @@ void WholeSolver::configure() {
   // PETSc reads tolerances for iterative solvers only, so their type comes first.
   if (!is_direct(value_of("-pc_type").value_or(before))) check(KSPSetType(ksp_.get(), KSPCG));
   check(KSPSetOperators(ksp_.get(), a_, a_));
-  check(KSPSetFromOptions(ksp_.get()));
+  check_options(KSPSetFromOptions(ksp_.get()));
   const std::string after = type_of(pc);
   const std::string ksp = type_of(ksp_.get());
   // The residual that stands in the near field's equations, not one that a PC has scaled.
@@ -145,10 +145,10 @@ void WholeSolver::configure() {
   }
   widen_smoother(pc);
   PetscReal wanted = tolerance;
-  check(PetscOptionsGetReal(nullptr, nullptr, "-ksp_rtol", &wanted, nullptr));
-  if (!(wanted <= largest_tolerance)) {
+  check_options(PetscOptionsGetReal(nullptr, nullptr, "-ksp_rtol", &wanted, nullptr));
+  if (!(wanted > 0 && wanted <= largest_tolerance)) {
     throw InputError(
-        "PETSc option -ksp_rtol: allowed: at most 1e-8, so that displacements can be "
+        "PETSc option -ksp_rtol: allowed: above 0 and at most 1e-8, so that displacements can be "
         "relied on");
   }
   direct_ = ksp == KSPPREONLY;
@@ -169,7 +169,7 @@ void WholeSolver::factor(Mat a) {
   } else {
     configure();
   }
-  check(KSPSetUp(ksp_.get()));
+  check_options(KSPSetUp(ksp_.get()));
   PC pc = nullptr;
   PCFailedReason reason = PC_NOERROR;
   check(KSPGetPC(ksp_.get(), &pc));

@@ -10,6 +10,7 @@
 #include "stylet/scene/writer.hpp"
 #include "stylet/simulation/accuracy.hpp"
 #include "stylet/study/field_sample.hpp"
+#include "stylet/study/levels.hpp"
 #include "stylet/study/pool.hpp"
 #include "stylet/study/study_run.hpp"
 
@@ -79,6 +80,8 @@ class Study {
                  "--store keeps the accuracy of scenes with needles of their own");
     }
     result_.quantities = quantities_of(scene);
+    require_levels(comm, "converge", scene, scene.mesh.refine + options.mesh_levels - 1.0,
+                   scene.time.step / std::pow(ratio, options.step_levels - 1), scene.time.step);
     meshes_ = mesh_files(comm, std::span(&scene, 1));
     add_series("mesh", options.mesh_levels, 1);
     add_series("step", 1, options.step_levels);

@@ -1,7 +1,6 @@
 #include "stylet/study/pool.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <cstddef>
@@ -27,7 +26,7 @@ class Counter {
     int waiting = 1;
     while (waiting != 0) {
       MPI_Status status;
-      check_mpi(MPI_Iprobe(MPI_ANY_SOURCE, result_tag, comm_, &waiting, &status));
+      MPI_Iprobe(MPI_ANY_SOURCE, result_tag, comm_, &waiting, &status);
       if (waiting != 0) serve(status);
     }
   }
@@ -35,7 +34,7 @@ class Counter {
   void serve_rest(int n_others) {
     while (dismissed_ < n_others) {
       MPI_Status status;
-      check_mpi(MPI_Probe(MPI_ANY_SOURCE, result_tag, comm_, &status));
+      MPI_Probe(MPI_ANY_SOURCE, result_tag, comm_, &status);
       serve(status);
     }
   }
@@ -43,13 +42,12 @@ class Counter {
  private:
   void serve(const MPI_Status& status) {
     int size = 0;
-    check_mpi(MPI_Get_count(&status, MPI_CHAR, &size));
+    MPI_Get_count(&status, MPI_CHAR, &size);
     std::string text(static_cast<std::size_t>(size), '\0');
-    check_mpi(MPI_Recv(text.data(), size, MPI_CHAR, status.MPI_SOURCE, result_tag, comm_,
-                       MPI_STATUS_IGNORE));
+    MPI_Recv(text.data(), size, MPI_CHAR, status.MPI_SOURCE, result_tag, comm_, MPI_STATUS_IGNORE);
     const int given = next();
     if (given == no_task) ++dismissed_;
-    check_mpi(MPI_Send(&given, 1, MPI_INT, status.MPI_SOURCE, task_tag, comm_));
+    MPI_Send(&given, 1, MPI_INT, status.MPI_SOURCE, task_tag, comm_);
     const auto end = text.find(' ');
     if (end != std::string::npos) done_(std::stoi(text.substr(0, end)), text.substr(end + 1));
   }
@@ -69,11 +67,11 @@ Pool::Pool(MPI_Comm comm, int ranks_per_run) {
     throw InputError("--ranks-per-run " + std::to_string(ranks_per_run) + ": allowed: 1 to " +
                      std::to_string(size) + ", the number of ranks (mpirun -n)");
   }
-  check_mpi(MPI_Comm_dup(comm, &comm_));
+  MPI_Comm_dup(comm, &comm_);
   n_groups_ = size / ranks_per_run;
   const int rank = rank_of(comm);
   const bool idle = rank >= n_groups_ * ranks_per_run;
-  check_mpi(MPI_Comm_split(comm, idle ? MPI_UNDEFINED : rank / ranks_per_run, rank, &group_));
+  MPI_Comm_split(comm, idle ? MPI_UNDEFINED : rank / ranks_per_run, rank, &group_);
 }
 
 Pool::~Pool() {
@@ -97,18 +95,17 @@ void Pool::run(std::span<const int> tasks, const Task& task, const Done& done, c
       counter.serve_waiting();
       given = counter.next();
     } else if (leads) {
-      check_mpi(
-          MPI_Send(result.data(), static_cast<int>(result.size()), MPI_CHAR, 0, result_tag, comm_));
-      check_mpi(MPI_Recv(&given, 1, MPI_INT, 0, task_tag, comm_, MPI_STATUS_IGNORE));
+      MPI_Send(result.data(), static_cast<int>(result.size()), MPI_CHAR, 0, result_tag, comm_);
+      MPI_Recv(&given, 1, MPI_INT, 0, task_tag, comm_, MPI_STATUS_IGNORE);
     }
-    check_mpi(MPI_Bcast(&given, 1, MPI_INT, 0, group_));
+    MPI_Bcast(&given, 1, MPI_INT, 0, group_);
     if (given == no_task) break;
     const std::string text = task(given, group_, between_steps);
     if (first) done(given, text);
     result = std::to_string(given) + " " + text;
   }
   if (first) counter.serve_rest(n_groups_ - 1);
-  check_mpi(MPI_Barrier(comm_));
+  MPI_Barrier(comm_);
 }
 
 }  // namespace stylet

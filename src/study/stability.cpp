@@ -7,6 +7,7 @@
 #include "stylet/output/progress.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
+#include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/solvers/modes.hpp"
 #include "stylet/study/identity.hpp"
@@ -44,7 +45,9 @@ class Insertion {
         double end = 0;
         if (action.depth) end = *action.depth;
         if (action.position) end = Axis::along_sign * *action.position - skin;
-        total_ += std::max(0.0, end - depth);
+        const double way = std::max(0.0, end - depth);
+        total_ += way;
+        n_steps_ += std::ceil(way / (action.speed * scene.time.step));
         depth = end;
       }
     }
@@ -52,6 +55,8 @@ class Insertion {
 
   [[nodiscard]] const Simulation& simulation() const { return simulation_; }
   [[nodiscard]] double depth() const { return depth_; }
+  /// Of time.step, with a needle going in.
+  [[nodiscard]] double n_steps() const { return n_steps_; }
   /// Of all travel into the tissue, 0 to 1.
   [[nodiscard]] double share() const { return total_ > 0 ? travelled_ / total_ : 1; }
   [[nodiscard]] bool done() const {
@@ -72,6 +77,7 @@ class Insertion {
  private:
   Simulation simulation_;
   double total_ = 0;
+  double n_steps_ = 0;
   double travelled_ = 0;
   double depth_ = 0;
 };
@@ -99,7 +105,14 @@ class Study {
         result_(result),
         insertion_(comm, scene, false),
         original_(insertion_.simulation().numbered()),
-        progress_(comm, options.quiet) {}
+        progress_(comm, options.quiet) {
+    const double most = insertion_.n_steps() + 1;
+    if (options.samples <= std::max(most, double(StabilityOptions{}.samples))) return;
+    throw InputError("stability: --samples " + std::to_string(options.samples) +
+                     ": the insertion takes " + brief(most - 1) +
+                     " steps of time.step; allowed: at most one moment a step and the start, " +
+                     brief(most));
+  }
 
   void measure() {
     const int last = scene_.needles.empty() ? 0 : options_.samples - 1;

@@ -1,6 +1,7 @@
 #include "stylet/study/study_folder.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
@@ -65,8 +66,9 @@ Table rows_of(MPI_Comm comm,
         ": the study in this folder was another one, so it cannot go on; what differs: " + what +
         "; use another folder with --output, or --force to replace it");
   }
-  if (!exists(comm, results_path)) return {std::move(columns), {}};
-  Table table = read_csv(results_path, read_on_all(comm, results_path));
+  const std::string of_plan = fingerprint(earlier);
+  if (!exists(comm, results_path)) return {std::move(columns), {}, of_plan};
+  Table table = read_results(results_path, read_on_all(comm, results_path), of_plan);
   if (!table.columns.empty() && table.columns != columns) {
     throw InputError(results_path + ": its columns are not those of this study");
   }
@@ -104,7 +106,7 @@ OpenStudy open_study(MPI_Comm comm,
   if (exists(comm, path + "/plan.json")) {
     study.kept = rows_of(comm, path, plan, std::move(columns));
   } else {
-    study.kept.columns = std::move(columns);
+    study.kept = {std::move(columns), {}, fingerprint(plan_text(plan))};
     write_text_atomically(comm, path + "/plan.json", plan_text(plan));
   }
   study.folder->go_on();

@@ -6,10 +6,10 @@
 #include "stylet/output/progress.hpp"
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
-#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
+#include "stylet/study/levels.hpp"
 #include "stylet/study/study_run.hpp"
 
 #include <algorithm>
@@ -82,6 +82,8 @@ class Study {
     if (options.mesh_levels < 1 || options.step_levels < 1 || options.repeats < 1) {
       throw InputError("tradeoff: --mesh-levels, --step-levels and --repeats: allowed: 1 or more");
     }
+    require_levels(comm, "tradeoff", scene, scene.mesh.refine + double(options.mesh_levels),
+                   scene.time.step / 2, scene.time.step * std::pow(2.0, options.step_levels - 1));
     meshes_ = mesh_files(comm, std::span(&scene, 1));
     const bool has_shortcut = allows("time.until=implanted");
     for (const Way& way : ways(has_shortcut)) {
@@ -218,7 +220,7 @@ class Study {
           stop_if_hopeless(i, simulation.counts().sub_steps);
         });
         // All ranks decide by the same clock.
-        check_mpi(MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_));
+        MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_);
         times.push_back(run.seconds);
         total += run.seconds;
         if (!run.error.empty()) break;

@@ -15,7 +15,7 @@ FLOORS = {"base": 0, "petsc": 1, "geometry": 1, "mesh": 2, "fem": 3, "solvers": 
 # Rooms that may include less than their floor allows: names of rooms or of single headers.
 ONLY = {
     "mesh": {"geometry", "base"},  # no PETSc
-    "needle": {"mesh", "geometry", "base", "solvers/constraint_set.hpp"},
+    "needle": {"mesh", "geometry", "base", "solvers/track_operator.hpp"},
     "scene": {"geometry", "base", "mesh/parameters.hpp", "fem/parameters.hpp",
               "dynamics/parameters.hpp", "needle/parameters.hpp"},
     "image": {"geometry", "base"},

@@ -57,7 +57,39 @@ class CommandLine(CliTest):
 
     def test_too_fine_a_mesh_is_refused_before_it_is_made(self):
         outcome = self.stylet("check", "scene.yaml", "--set", "mesh.refine=40")
-        self.assert_refused(outcome, "refine = 40", "too many triangles", "allowed here: up to")
+        self.assert_refused(outcome, "key 'mesh.refine': 40 makes", "triangles", "GB of memory",
+                            "allowed here: up to")
+
+    def test_what_finds_no_room_is_refused_before_the_first_run(self):
+        """Levels, moments and modes that would need more memory, or more steps, than there are."""
+        for verb, options, parts in (
+                ("converge", ["--mesh-levels", "40"], ["mesh.refine 39", "GB", "levels fewer"]),
+                ("converge", ["--mesh-levels", "2000000000"], ["GB", "levels fewer"]),
+                ("converge", ["--step-levels", "60"], ["--step-levels", "too short", "1e12 steps"]),
+                ("converge", ["--step-levels", "2000000000"], ["--step-levels", "too short"]),
+                ("tradeoff", ["--mesh-levels", "40"], ["mesh.refine 40", "GB", "levels fewer"]),
+                ("tradeoff", ["--step-levels", "40"], ["--step-levels", "too long"]),
+                ("stability", ["--samples", "2000000000"], ["--samples", "steps of time.step"])):
+            with self.subTest(verb=verb, options=options):
+                self.assert_refused(self.stylet(verb, "scene.yaml", *options), *parts)
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_wrong_values_of_options_are_bad_input(self):
+        """Whoever finds them: this program, CLI11, PETSc when it reads them or when it sets up."""
+        for arguments in (
+                ["modes", "x", "scene.yaml"], ["modes", "0", "scene.yaml"],
+                ["modes", "1000000000", "scene.yaml"], ["stability", "scene.yaml", "--samples", "0"],
+                ["plan", "scene.yaml", "--most-runs", "0"],
+                *(["modes", "3", "scene.yaml", "--", *options] for options in (
+                    ["-eps_tol", "x"], ["-eps_tol", "-1"], ["-eps_max_it", "0"], ["-eps_ncv", "-4"],
+                    ["-eps_ncv", "2"], ["-eps_type", "x"], ["-st_type", "x"], ["-st_pc_type", "x"])),
+                *(["run", "scene.yaml", "--force", "--", *options] for options in (
+                    ["-ksp_rtol", "x"], ["-ksp_rtol", "-1"], ["-ksp_rtol", "1e-3"], ["-pc_type", "x"],
+                    ["-pc_type", "gamg", "-pc_gamg_threshold", "x"],
+                    ["-pc_type", "gamg", "-mg_levels_ksp_max_it", "x"],
+                    ["-pc_factor_mat_solver_type", "mumps", "-mat_mumps_icntl_7", "x"]))):
+            with self.subTest(arguments=arguments):
+                self.assert_refused(self.stylet(*arguments))
 
     def test_set_changes_the_scene(self):
         outcome = self.stylet("run", "scene.yaml", "--set", "needles.0.motion.0.depth=1 cm",

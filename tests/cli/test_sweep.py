@@ -44,8 +44,8 @@ class Sweep(CliTest):
             return list(csv.DictReader(file))
 
     def results(self, folder):
-        """Without times."""
-        return [{k: v for k, v in row.items() if not k.startswith("wall_time")}
+        """Without times, and the fingerprints that they are in."""
+        return [{k: v for k, v in row.items() if not k.startswith(("wall_time", "fingerprint"))}
                 for row in self.rows(folder)]
 
     def on_ranks(self, n, *arguments):
@@ -146,6 +146,25 @@ outputs: [seeds.0.placement_error]
         outcome = call([*arguments, "--resume"], self.folder)
         self.assert_code(outcome, DONE)
         self.assertIn("6 of them kept", outcome.out)
+
+    def test_edited_rows_are_not_taken_for_results(self):
+        self.assert_code(self.sweep("campaign.yaml"), DONE)
+        table = self.folder / "out/sweep-campaign/results.csv"
+        whole = table.read_text()
+        results = self.results("out/sweep-campaign")
+        self.unseal("out/sweep-campaign")
+        lines = whole.splitlines(True)
+        for edited in (lines[3].replace(",done,", ",failed,"), lines[3].replace("0.00", "0.01", 1),
+                       lines[3].replace("00002", "00004")):
+            self.assertNotEqual(edited, lines[3])
+            table.write_text("".join([*lines[:3], edited, *lines[4:]]))
+            self.assert_refused(self.sweep("campaign.yaml", "--resume"), "results.csv: row 4",
+                                "not as this study wrote it")
+        table.write_text("".join([*lines[:3], *lines[4:]]))
+        outcome = self.sweep("campaign.yaml", "--resume")
+        self.assert_code(outcome, DONE)
+        self.assertIn("5 of them kept", outcome.out)
+        self.assertEqual(self.results("out/sweep-campaign"), results)
 
     def test_failed_runs_are_recorded(self):
         self.write("partly.yaml", CAMPAIGN.replace("values: [1 N, 1.7 N]",

@@ -1,3 +1,4 @@
+#include "stylet/output/csv.hpp"
 #include "stylet/study/table.hpp"
 
 #include "fuzz.hpp"

@@ -1,9 +1,8 @@
-// Tissue condensed to the dofs near the needle: one step against the equations of the whole tissue,
-// and whole scenes with every solver of the whole tissue below the same near field, which options ask
-// for: the same energies, forces and fields at any time, on any number of ranks.
+// Tissue condensed to the dofs near the needle: whole scenes with every solver of the whole tissue below
+// the same near field, which options ask for: the same energies, forces and fields at any time, on any
+// number of ranks.
 #include "stylet/petsc/check.hpp"
-#include "stylet/simulation/model.hpp"
-#include "stylet/solvers/near_field.hpp"
+#include "stylet/solvers/whole_solver.hpp"
 
 #include "support/scenes.hpp"
 #include <gtest/gtest.h>
@@ -129,70 +128,6 @@ TEST(SolverChoice, IsByTheRoomThatAFactorTakes) {
   EXPECT_EQ(solver_for(3'000'000, 8, 2, machine), SolverKind::factor_distributed);
   EXPECT_EQ(solver_for(6'000'000, 8, 2, machine), SolverKind::factor_distributed);
   EXPECT_EQ(solver_for(7'000'000, 8, 2, machine), SolverKind::multigrid);
-}
-
-// A x = b + lambda w with x given at some dofs, w . x given, and A changed since it was factored: what
-// is solved on the near dofs has to leave nothing of the equations of the whole tissue.
-TEST(NearField, LeavesNothingOfTheEquationsOfTheWholeTissue) {
-  const Scene scene = scene_of(pierced, {"time.method=implicit"});
-  NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, scene);
-  const auto tissue = make_tissue(MPI_COMM_WORLD, scene, numbered);
-  Mesh& mesh = numbered.mesh;
-  tissue->make_tangent({1e4, 1});
-  NearField near(MPI_COMM_WORLD, tissue->n_dofs());
-  std::vector<PrescribedDof> held;
-  for (const int node : mesh.nodes_of("left")) held.push_back({2 * node, 0});
-  near.factor(tissue->tangent_matrix(), held);
-  // An inner node moves a little.
-  int node = 0;
-  while (mesh.on_boundary(node) || mesh.is_locked(node)) ++node;
-  const auto around = mesh.cells_around(node);
-  const std::vector<int> cells(around.begin(), around.end());
-  mesh.move_node(node, mesh.point(node) + Vector2{2e-4, -1e-4});
-  tissue->update(mesh, cells);
-  near.changed(tissue->tangent_matrix(), dofs_of(tissue->rows_of(mesh, cells)));
-
-  OwnedVec b = tissue->make_vector();
-  check(VecSet(b.get(), 0));
-  for (int dof = 0; dof < tissue->n_dofs(); ++dof) set_owned(b.get(), dof, std::sin(dof));
-  for (const auto& c : held) set_owned(b.get(), c.dof, 0);
-  near.load(b.get());
-  const int n = tissue->n_dofs();
-  const std::vector<int> dofs{n / 2, n / 3, n / 4, n / 5};
-  near.include(dofs);
-  const std::vector<NearField::Given> given{{near.at(dofs[0]), 0.02}, {near.at(dofs[1]), -0.01}};
-  const std::vector<NearField::Given> weights{{near.at(dofs[2]), 0.25}, {near.at(dofs[3]), 0.75}};
-  const std::vector<double> none(near.dofs().size(), 0.0);
-  auto solution = near.solve(none, given, weights, 0.03);
-  OwnedVec x = tissue->make_vector();
-  OwnedVec left = tissue->make_vector();
-  const auto balance = [&](Vec of, Vec residual) {
-    check(MatMult(tissue->tangent_matrix(), of, residual));
-    check(VecAXPY(residual, -1, b.get()));
-  };
-  near.complete(balance, 1, none, given, weights, solution, x.get(), left.get());
-
-  check(MatMult(tissue->tangent_matrix(), x.get(), left.get()));
-  check(VecAXPY(left.get(), -1, b.get()));
-  auto residual = gather_all(left.get());
-  const auto at = gather_all(x.get());
-  const auto of = [](const auto& values, int dof) { return values[static_cast<std::size_t>(dof)]; };
-  // Round-off of the largest forces, times a condition of 1e3.
-  const double tolerance = 1e-12 * size_of_values(residual);
-  EXPECT_NEAR(of(at, dofs[0]), 0.02, 1e-15);
-  EXPECT_NEAR(of(at, dofs[1]), -0.01, 1e-15);
-  EXPECT_NEAR(0.25 * of(at, dofs[2]) + 0.75 * of(at, dofs[3]), 0.03, 1e-14);
-  for (const std::size_t i : {0U, 1U}) {
-    EXPECT_NEAR(of(residual, dofs[i]), solution.reaction[near.at(dofs[i])], tolerance);
-    residual[static_cast<std::size_t>(dofs[i])] = 0;
-  }
-  residual[static_cast<std::size_t>(dofs[2])] -= 0.25 * solution.lambda;
-  residual[static_cast<std::size_t>(dofs[3])] -= 0.75 * solution.lambda;
-  for (const auto& c : held) {
-    EXPECT_EQ(of(at, c.dof), 0);
-    residual[static_cast<std::size_t>(c.dof)] = 0;
-  }
-  EXPECT_LT(size_of_values(residual), tolerance);
 }
 
 // The distance from the needle at which loads and prescribed displacements act makes no difference.

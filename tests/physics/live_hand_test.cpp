@@ -109,5 +109,29 @@ TEST(LiveHand, ASeedNeedsANeedle) {
   EXPECT_THROW(live.pass(1), NumericalError);
 }
 
+// A scene's needles have been checked with it.
+TEST(LiveHand, ANeedleOfItsOwnIsCheckedWhenItEnters) {
+  const auto refused = [](auto&& fault) {
+    Live live;
+    fault(live.needle);
+    live.hand->enter(live.needle);
+    live.hand->move(0.02);
+    try {
+      live.pass(1);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  using testing::HasSubstr;
+  using N = NeedleParameters;
+  EXPECT_EQ(refused([](N& n) { n.motion.clear(); }), "no error");
+  EXPECT_THAT(refused([](N& n) { n.cutting.sharpness = 2; }),
+              HasSubstr("key 'needles.0.cutting.sharpness': value '2'; allowed: "));
+  EXPECT_THAT(refused([](N& n) { n.diameter = -1e-3; }), HasSubstr("needles.0.diameter"));
+  EXPECT_THAT(refused([](N& n) { n.friction->kinetic_force = 1e4; }),
+              HasSubstr("key 'needles.0.friction.static_force'"));
+}
+
 }  // namespace
 }  // namespace stylet

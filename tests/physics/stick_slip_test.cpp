@@ -74,8 +74,9 @@ class Block {
     static_cast<void>(body_.state());  // its energy is not the whole tissue's
     const bool is_explicit = body_.decides_by_velocity();
     PetscScalar value = 0;
-    check(MatGetValue(body_.tissue().stiffness(), dof_, dof_, &value));
-    k_ = value;
+    body_.tissue().along_row(dof_, [&](int column, double stiffness) {
+      if (column == dof_) k_ = stiffness;
+    });
     if (is_explicit) {
       m_ = gather_all(body_.tissue().lumped_mass())[static_cast<std::size_t>(dof_)];
     } else {
@@ -103,13 +104,13 @@ class Block {
     std::vector<int> loaded;
     for (;;) {
       const bool edited = cut();
-      loaded = needle_.loaded_nodes();
-      body_.watch(loaded);
+      loaded = needle_.loaded_points();
+      body_.watch(track(), loaded);
       const Trial trial = body_.attempt(constraints(), edited);
-      if (needle_.review(of_block(body_.view(loaded, trial)), 0)) break;
+      if (needle_.review(of_block(body_.view(track(), loaded, trial)), 0)) break;
     }
     const Trial trial = body_.finish(true);
-    needle_.commit(body_.view(loaded), of_block(body_.view(loaded, trial)), 0);
+    needle_.commit(body_.view(track(), loaded), of_block(body_.view(track(), loaded, trial)), 0);
     body_.accept(trial, 0, 0);
     motion_.taken(step);
     const int nodes[1] = {dof_ / 2};
@@ -123,8 +124,8 @@ class Block {
     const NeedleStep step = motion_.next(h);
     needle_.start_step(step);
     const auto zero = [&] {
-      const auto nodes = needle_.loaded_nodes();
-      return TrialView(nodes, std::vector<NodeTrial>(nodes.size()));
+      const auto points = needle_.loaded_points();
+      return TrackTrial(points, std::vector<PointTrial>(points.size()));
     };
     const auto force = [&] {
       constexpr double more_than_it_takes = 1;  // N
@@ -134,7 +135,7 @@ class Block {
     do {
       cut();
     } while (!needle_.review(zero(), force()));
-    needle_.commit(body_.view(needle_.loaded_nodes()), zero(), force());
+    needle_.commit(body_.view(track(), needle_.loaded_points()), zero(), force());
     motion_.taken(step);
   }
 
@@ -148,7 +149,7 @@ class Block {
 
   [[nodiscard]] ConstraintSet constraints() const {
     ConstraintSet set = held_;
-    const ConstraintSet wanted = needle_.constraints();
+    const ConstraintSet wanted = body_.beside_held(needle_.conditions(), track());
     for (const auto& c : wanted.dofs) {
       if (c.dof == dof_) set.dofs.push_back(c);
     }
@@ -159,16 +160,19 @@ class Block {
   }
 
   // All else is rigid: it neither moves nor slips.
-  [[nodiscard]] TrialView of_block(const TrialView& whole) const {
-    std::vector<NodeTrial> values(whole.nodes().size());
-    const auto at = std::ranges::find(whole.nodes(), dof_ / 2) - whole.nodes().begin();
-    NodeTrial& node = values[static_cast<std::size_t>(at)];
-    node = whole.at(dof_ / 2);
-    for (Vector2* value : {&node.u, &node.v, &node.reaction, &node.working, &node.settled}) {
-      value->y = 0;
+  [[nodiscard]] TrackTrial of_block(const TrackTrial& whole) const {
+    constexpr int point = static_cast<int>(block);
+    std::vector<PointTrial> values(whole.keys().size());
+    const auto at = std::ranges::find(whole.keys(), point) - whole.keys().begin();
+    PointTrial& of = values[static_cast<std::size_t>(at)];
+    of = whole.at(point);
+    for (TrackVector* value : {&of.u, &of.v, &of.reaction, &of.working, &of.settled}) {
+      value->across = 0;
     }
-    return {whole.nodes(), std::move(values)};
+    return {whole.keys(), std::move(values)};
   }
+
+  [[nodiscard]] const TrackOperator& track() const { return needle_.track_operator(); }
 
   Scene scene_;
   Body body_;

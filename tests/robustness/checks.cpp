@@ -1,5 +1,7 @@
 #include "checks.hpp"
 
+#include "stylet/simulation/track_binding.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -87,7 +89,7 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
   }
   attached_ = std::move(attached);
   const bool is_explicit = simulation.scene().time.method == TimeMethod::explicit_newmark;
-  const auto set = needle.constraints();
+  const auto set = bind(needle.conditions(), needle.track_operator(), simulation.tissue().n_dofs());
   if (set.mean && !is_explicit) {
     std::vector<int> loaded;
     for (const auto& [dof, weight] : set.mean->weights) loaded.push_back(dof);

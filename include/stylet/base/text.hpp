@@ -27,6 +27,10 @@ namespace stylet {
 /// from the boundary beside it.
 [[nodiscard]] std::string ten_digits(double value);
 
+/// `value`, or zero where it is round-off beside `size`: what turning a point or subtracting lengths of
+/// that size leaves of nothing.
+[[nodiscard]] double cleared(double value, double size);
+
 /// A path such as needles.0.height: names joined by dots. A name that would be taken apart, such as
 /// lobe.left, stands in it in double quotes.
 struct Path {

@@ -68,8 +68,8 @@ Trial CondensedIntegrator::near_trial(Displacement&& u_of, Velocity&& v_of) {
   Entries u(u_.get());
   Entries v(v_.get());
   Entries reaction(reaction_.get());
-  for (std::size_t i = 0; i < near_.dofs().size(); ++i) {
-    const int dof = near_.dofs()[i];
+  for (std::size_t i = 0; i < near_.coordinates().size(); ++i) {
+    const int dof = near_.coordinates()[i];
     if (!u.owns(dof)) continue;
     u[dof] = u_of(i);
     v[dof] = v_of(i);

@@ -28,7 +28,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int>) override {}
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
-  Trial finish(bool) override { return trial_; }
+  Trial finish(bool) override;
   void accept() override;
   /// Of the bound on the largest eigenvalue, times the safety factor.
   [[nodiscard]] double stable_step() const override;
@@ -36,6 +36,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   void renewed(const Mesh& mesh) override;
   [[nodiscard]] bool decides_by_velocity() const override { return true; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
+  [[nodiscard]] EnergyRules energy_rules() const override;
 
  private:
   struct FreeValue {
@@ -93,6 +94,8 @@ class ExplicitNewmark final : public TimeIntegrator {
   OwnedVec working_;
   OwnedVec settled_;
   OwnedVec work_;
+  OwnedVec increment_;      ///< of displacement in a step, where stiffness damps
+  OwnedVec half_velocity_;  ///< of the last step, there
 };
 
 /// Stable step of one mode (s): omega^2 in (rad/s)^2, stiffness damping in s.

@@ -52,7 +52,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   ImplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
-  void watch(std::span<const int> nodes) override;
+  void watch(std::span<const int> coordinates) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool whole) override;
   void accept() override;
@@ -62,6 +62,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   void renewed(const Mesh& mesh) override;
+  [[nodiscard]] EnergyRules energy_rules() const override;
 
  private:
   /// Of the speed of given motion: less does not begin.
@@ -76,6 +77,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   void prepare();
   [[nodiscard]] bool needle_begins(const ConstraintSet& constraints);
   [[nodiscard]] bool damps_at_once() const { return k_.c0 == 0; }  ///< backward Euler in this step
+  [[nodiscard]] double end_weight() const { return damps_at_once() ? 1 : 0.5; }
   [[nodiscard]] bool keeps_products() const { return scheme_.c0 == 0; }  ///< backward Euler in all
   [[nodiscard]] double increment_of(const PrescribedDof& c, double u, double v) const;
   Trial attempt_near(const ConstraintSet& constraints);
@@ -107,7 +109,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   bool has_mean_ = false;
   bool had_mean_ = false;         ///< in the last step
   bool released_ = false;         ///< then
-  std::vector<int> watched_;      ///< dofs
+  std::vector<int> watched_;      ///< coordinates
   std::vector<int> surrounding_;  ///< what they couple to
   // Of the near dofs, in their order.
   std::vector<double> u_near_;  ///< predictors

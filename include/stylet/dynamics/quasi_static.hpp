@@ -19,14 +19,17 @@ class QuasiStatic final : public CondensedIntegrator {
   QuasiStatic(TissueOperator& tissue, const Mesh& mesh);
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
-  void watch(std::span<const int> nodes) override;
+  void watch(std::span<const int> coordinates) override;
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool whole) override;
   void accept() override;
   void complete() override;
-  void complete_at(std::span<const int> nodes) override { watch(nodes); }
+  void complete_at(std::span<const int> nodes) override { watch(stylet::dofs_of(nodes)); }
   void renewed(const Mesh& mesh) override;
   [[nodiscard]] StoredEnergy energy(const State& state) override;
+  [[nodiscard]] EnergyRules energy_rules() const override {
+    return {.inertia = false, .advice = "a smaller time.step, or a finer mesh"};
+  }
 
  private:
   void factor();

@@ -30,13 +30,17 @@ struct Trial {
   HoldingForces working;
   /// At the end of the step, after any blow: what cuts, punctures and is reported.
   HoldingForces settled;
-  bool only_end = false;  ///< forces at the start of the step have no share in its work
-  int iterations = 0;     ///< of linear solvers
-  double blow_work = 0;   ///< done in this step by blows, apart from the working forces (J)
-  /// Of `finish`: done on all damping (J), where the integrator knows it.
-  std::optional<double> all_damping_work = std::nullopt;
-  double damping_work = 0;  ///< done on the damping of mass (J)
-  double load_work = 0;     ///< done by the load of its end (J)
+  int iterations = 0;  ///< of linear solvers
+
+  // How the scheme books the work of the step.
+  /// Weight of the forces at its end, those at its start have the rest: what makes the work exact.
+  double end_weight = 0.5;
+  double blow_work = 0;     ///< done by blows, apart from the working forces (J)
+  double damping_work = 0;  ///< of `finish`: done on damping (J)
+  /// Done by the load of its end, where that stood (J); none if the scheme does not sum it.
+  std::optional<double> load_work = std::nullopt;
+  /// tau (s): what is conserved is 1/2 v M v + 1/2 u K u - 1/2 tau^2 a M a.
+  double swing_time = 0;
 };
 
 /// Forces at the end of a step without a blow.
@@ -54,6 +58,16 @@ struct StoredEnergy {
   double strain = 0;
 };
 
+/// How a run is kept from making energy.
+struct EnergyRules {
+  bool inertia = true;       ///< mass stores energy
+  int interval = 1;          ///< steps from one look at the energy to the next
+  double largest_swing = 1;  ///< kinetic and strain energy over what was supplied, if stable
+  const char* advice = "";   ///< what makes less of energy that grew
+  /// Of a scheme that carries on what interpolation at moved nodes adds: why that is more than all work.
+  const char* edits_advice = nullptr;
+};
+
 class TimeIntegrator {
  public:
   TimeIntegrator() = default;
@@ -66,8 +80,8 @@ class TimeIntegrator {
   /// are held must not change from step to step, their values may.
   virtual void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) = 0;
 
-  /// Collective. The next trials must hold the values of these nodes, whatever their constraints.
-  virtual void watch(std::span<const int> nodes) = 0;
+  /// Collective. The next trials must hold the values of these dofs, whatever their constraints.
+  virtual void watch(std::span<const int> dofs) = 0;
 
   /// Collective. The end of the step under these constraints of dofs that are not held, from the
   /// state as it is now (an edit may have changed it since the last trial: `edited`). What it returns
@@ -90,6 +104,7 @@ class TimeIntegrator {
   /// Collective, between `accept` and `begin`. Energy of the state; costs no product with K or M where
   /// the step had them.
   [[nodiscard]] virtual StoredEnergy energy(const State& state) = 0;
+  [[nodiscard]] virtual EnergyRules energy_rules() const = 0;
 
   /// What solves for the whole tissue, and who chose it; for the record.
   [[nodiscard]] virtual std::string solver() const { return "none"; }

@@ -14,6 +14,7 @@
 #include "stylet/fem/volume_patch.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/mesh/region_map.hpp"
+#include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/owned.hpp"
 
 #include <functional>
@@ -38,6 +39,10 @@ struct Combination {
   double stiffness = 0;
 };
 
+/// What is kept of K: a matrix of PETSc, which also holds the couplings that flips may bring; or plain
+/// rows, for who multiplies cell by cell (CellOperator) and only looks at rows near an edit.
+enum class Stiffness { matrix, rows };
+
 class TissueOperator {
  public:
   /// Collective. first_node: rank r owns nodes first_node[r] .. first_node[r+1]-1, dof = 2 node +
@@ -49,6 +54,7 @@ class TissueOperator {
                  std::vector<int> first_node,
                  const TissueParameters& parameters,
                  std::function<bool(int)> needs_flips = {},
+                 Stiffness kept = Stiffness::matrix,
                  bool keeps_regions = false);
 
   /// Collective. Rebuilds the rows of all nodes of the touched cells, in K, M and every tangent made
@@ -67,7 +73,13 @@ class TissueOperator {
   [[nodiscard]] std::vector<int> coupled(const Mesh& mesh, std::span<const int> nodes) const;
 
   [[nodiscard]] MPI_Comm comm() const { return comm_; }
+  /// Null if K is kept as rows.
   [[nodiscard]] Mat stiffness() const { return stiffness_.get(); }
+  /// Calls each(column, value) along an owned row of K, by ascending columns; zeros may be left out.
+  template <class Each>
+  void along_row(int row, Each&& each) const;
+  /// y = K x. Collective; with plain rows for now and then only.
+  void apply_stiffness(Vec x, Vec y) const;
   /// Consistent mass, or null if lumped.
   [[nodiscard]] Mat mass() const { return mass_.get(); }
   /// Row-sum mass, one value a dof (kg); null if consistent.
@@ -111,6 +123,21 @@ class TissueOperator {
   void take_materials(const Mesh& mesh);
   void make_pattern(const Mesh& mesh);
   void fill_all(const Mesh& mesh);
+  void fill_rows(const Mesh& mesh, std::span<const int> owned_nodes);
+  struct NodeRows {
+    std::vector<int> columns;    ///< nodes, ascending
+    std::vector<double> values;  ///< two rows of K
+  };
+  struct Masses {
+    std::vector<double> consistent;  ///< of mass_columns
+    double lumped = 0;
+  };
+  void compute(const Mesh& mesh,
+               int node,
+               std::span<const int> mass_columns,
+               PatchCache& cache,
+               NodeRows& rows,
+               Masses& masses) const;
   void fill(const Mesh& mesh, std::span<const int> owned_nodes);
   [[nodiscard]] CellMaterial material(int cell) const;
   void remix(const Mesh& mesh, std::span<const int> cells);
@@ -139,6 +166,9 @@ class TissueOperator {
   /// Of owned nodes: column nodes of K and of M, ascending. The same unless the formulation averages.
   std::vector<std::vector<int>> stiffness_columns_;
   std::vector<std::vector<int>> mass_columns_;
+  Stiffness kept_;
+  std::vector<NodeRows> rows_;               ///< of owned nodes
+  std::optional<std::uint64_t> columns_of_;  ///< version of the mesh's edges
   OwnedMat stiffness_;
   OwnedNullSpace rigid_;
   OwnedMat mass_;
@@ -146,5 +176,19 @@ class TissueOperator {
   OwnedMat tangent_;
   Combination tangent_combination_;
 };
+
+template <class Each>
+void TissueOperator::along_row(int row, Each&& each) const {
+  if (kept_ == Stiffness::rows) {
+    const NodeRows& of_node = rows_[static_cast<std::size_t>(row / 2 - begin_)];
+    const double* value = of_node.values.data() + (row % 2) * 2 * of_node.columns.size();
+    for (const int node : of_node.columns) {
+      each(2 * node, *value++);
+      each(2 * node + 1, *value++);
+    }
+    return;
+  }
+  stylet::along_row(stiffness_.get(), row, each);
+}
 
 }  // namespace stylet

@@ -4,6 +4,9 @@
 // element's far edge at most, where another node takes its place (a hand-over), to a membrane, or to
 // the end of what an earlier needle has cut. Those ends are the only places where the law of the tip
 // has to be asked again. In 2D a point of the track is a node of the mesh, and an advance is an edit.
+//
+// Points are numbered from the skin, and keep their numbers and nodes; those of the skin beside the entry,
+// which only the tip's load reaches, have negative ones.
 #pragma once
 
 #include "stylet/mesh/mesh.hpp"
@@ -13,6 +16,7 @@
 #include "stylet/needle/parameters.hpp"
 #include "stylet/needle/skin.hpp"
 #include "stylet/needle/track.hpp"
+#include "stylet/needle/track_view.hpp"
 #include "stylet/needle/view.hpp"
 
 #include <optional>
@@ -40,7 +44,7 @@ struct NeedleCounts {
   return {a.hand_overs + b.hand_overs, a.fallbacks + b.fallbacks, a.punctures + b.punctures};
 }
 
-class CutPath {
+class CutPath final : public TrackOperator {
  public:
   /// The mesh is lent. radius: within which earlier cuts and punctures are the needle's own (m);
   /// stops_at_ends: a tip that comes to the end of its base waits there for `pass_end`.
@@ -84,12 +88,14 @@ class CutPath {
   [[nodiscard]] double modulus_ahead() const;
   /// Size of the elements around the tip (m).
   [[nodiscard]] double element_size() const;
-  /// Shares of the tip's load by node; they sum to 1.
-  [[nodiscard]] std::vector<NodeShare> tip_shares() const;
+  /// Shares of the tip's load by point; they sum to 1.
+  [[nodiscard]] std::vector<PointShare> tip_shares() const;
   /// Length of shaft (m) that each point stands for.
   [[nodiscard]] std::vector<double> shaft_lengths() const;
-  /// Nodes that the needle may load, apart from those of before.
-  [[nodiscard]] std::vector<int> loaded_nodes() const;
+  /// Points that the needle may load, apart from those of before.
+  [[nodiscard]] std::vector<int> loaded_points() const;
+  /// Of a node: its dof.
+  [[nodiscard]] SparseRow row(TrackPlace place) const override;
   /// Nodes whose state at the start of a step `plan` needs; ascending.
   [[nodiscard]] std::vector<int> watched() const;
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
@@ -99,7 +105,7 @@ class CutPath {
   /// A tip that let go leaves the points that it has passed (paper, sec. V.E), and takes them again on its
   /// way back in. to: where the needle's tip is (m); speed: of the needle (m/s).
   void uncover(double to,
-               const TrialView& trial,
+               const TrackTrial& trial,
                const std::optional<FrictionParameters>& friction,
                double speed);
   /// The tip touches the end of the path again: all points are the needle's.
@@ -150,6 +156,7 @@ class CutPath {
   };
   [[nodiscard]] End find_end() const;
   [[nodiscard]] std::optional<double> crossing(double length) const;
+  [[nodiscard]] int skin_point(int node) const;
   bool find_base(const NeedleView& start);
   Plan hand_over(const NeedleView& start);
 

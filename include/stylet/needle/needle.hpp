@@ -1,7 +1,7 @@
-// One needle: a state machine that plans edits, constraints and forces, and judges their outcome.
+// One needle: a state machine that plans edits, conditions and forces, and judges their outcome.
 //
 // A step goes: start_step; then, as long as wants_edit, plan (the caller applies the edits); then
-// constraints (the caller solves); then review, which accepts or asks for another round from the
+// conditions (the caller solves); then review, which accepts or asks for another round from the
 // saved state; then commit. No Mat, Vec or KSP here.
 #pragma once
 
@@ -13,8 +13,8 @@
 #include "stylet/needle/motion.hpp"
 #include "stylet/needle/parameters.hpp"
 #include "stylet/needle/shaft_contacts.hpp"
+#include "stylet/needle/track_view.hpp"
 #include "stylet/needle/view.hpp"
-#include "stylet/solvers/constraint_set.hpp"
 
 #include <optional>
 #include <string>
@@ -78,8 +78,10 @@ class Needle {
 
   /// Nodes whose start-of-step state `plan` needs; ascending.
   [[nodiscard]] std::vector<int> watched() const { return path_.watched(); }
-  /// Nodes whose trial the review needs; ascending.
-  [[nodiscard]] std::vector<int> loaded_nodes() const;
+  /// Points whose trial the review needs; ascending.
+  [[nodiscard]] std::vector<int> loaded_points() const;
+  /// What stands behind points.
+  [[nodiscard]] const TrackOperator& track_operator() const { return path_; }
 
   /// A needle that is out of the tissue takes no part in a step, unless it goes in again.
   [[nodiscard]] bool takes_part(const NeedleStep& step) const {
@@ -93,13 +95,13 @@ class Needle {
   [[nodiscard]] bool wants_edit() const { return path_.wants_edit(); }
   /// Throws NumericalError if the tip cannot go on.
   NeedleEdits plan(const NeedleView& start);
-  [[nodiscard]] ConstraintSet constraints() const;
+  [[nodiscard]] TrackConditions conditions() const;
   /// True: the step is accepted. Throws NumericalError where the advance has no solution.
-  bool review(const TrialView& trial, const Multiplier& lambda);
-  /// start: the loaded nodes after the last edits; end_weight: of the forces at the end of the step in
+  bool review(const TrackTrial& trial, const Multiplier& lambda);
+  /// start: the loaded points after the last edits; end_weight: of the forces at the end of the step in
   /// its work, those at its start have the rest.
-  NeedleStepReport commit(const NeedleView& start,
-                          const TrialView& trial,
+  NeedleStepReport commit(const TrackStart& start,
+                          const TrackTrial& trial,
                           Multiplier lambda,
                           double end_weight = 1);
 
@@ -134,15 +136,15 @@ class Needle {
   [[nodiscard]] double limit() const;
   [[nodiscard]] double tolerance() const;
   [[nodiscard]] double slack() const;
-  [[nodiscard]] double place_gap(const TrialView& trial) const;
-  [[nodiscard]] double gap(const TrialView& trial) const;
+  [[nodiscard]] double place_gap(const TrackTrial& trial) const;
+  [[nodiscard]] double gap(const TrackTrial& trial) const;
   void forget_search();
-  bool review_friction(const TrialView& trial);
-  bool review_tip(const TrialView& trial, const Multiplier& lambda);
+  bool review_friction(const TrackTrial& trial);
+  bool review_tip(const TrackTrial& trial, const Multiplier& lambda);
   bool cut_further(double gap);
   [[noreturn]] void throw_no_solution() const;
-  void check_tip(const TrialView& trial, double lambda) const;
-  std::vector<NodeForce> tip_forces(const Multiplier& lambda) const;
+  void check_tip(const TrackTrial& trial, double lambda) const;
+  std::vector<PointForce> tip_forces(const Multiplier& lambda) const;
 
   NeedleParameters parameters_;
   bool velocity_level_;

@@ -4,7 +4,7 @@
 #include "stylet/needle/contact_work.hpp"
 #include "stylet/needle/parameters.hpp"
 #include "stylet/needle/track.hpp"
-#include "stylet/needle/view.hpp"
+#include "stylet/needle/track_view.hpp"
 
 #include <cstddef>
 #include <limits>
@@ -37,7 +37,7 @@ class ShaftContacts {
   /// needle (m/s).
   Verdict review(Track& track,
                  std::span<const double> lengths,
-                 const TrialView& trial,
+                 const TrackTrial& trial,
                  const FrictionParameters& law,
                  double speed);
   struct Shaft {
@@ -45,13 +45,13 @@ class ShaftContacts {
     int n_stick = 0;
     int n_slip = 0;
   };
-  /// The step is accepted: adds to the forces on nodes; points that slide slowly stick from now on.
+  /// The step is accepted: adds to the forces on points; points that slide slowly stick from now on.
   Shaft commit(Track& track,
                std::span<const double> lengths,
-               const TrialView& trial,
+               const TrackTrial& trial,
                const FrictionParameters& law,
                double speed,
-               std::vector<NodeForce>& forces) const;
+               std::vector<PointForce>& forces) const;
   /// In this step.
   [[nodiscard]] int changes() const { return changes_; }
 

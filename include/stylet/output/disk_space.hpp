@@ -3,13 +3,26 @@
 
 #include <cstdint>
 #include <string>
+#include <sys/types.h>
 
 namespace stylet {
 
-/// Makes room for `bytes` more behind the end of an existing file, or throws an IoError and leaves
-/// the file as it was. File systems that cannot reserve are asked for their free space instead.
-/// Not collective.
-void reserve_space(const std::string& path, std::uint64_t bytes);
+/// Room behind the end of an existing file, which keeps its size. Not collective.
+class DiskReserve {
+ public:
+  explicit DiskReserve(std::string path);
+  /// Throws an IoError unless so many bytes more can be written. File systems that cannot reserve are
+  /// asked for their free space instead.
+  void require(std::uint64_t bytes);
+  /// Gives back what was not used.
+  void free();
+
+ private:
+  int reserve(int descriptor, off_t bytes);
+
+  std::string path_;
+  off_t end_ = 0;  ///< of what is reserved
+};
 
 /// Throws an IoError in the name of `path` unless a file `draft` of so many bytes can be made; removes
 /// it again. Not collective.

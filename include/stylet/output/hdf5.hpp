@@ -1,18 +1,15 @@
-// Owning HDF5 handles and arrays that all ranks write together.
+// Owning HDF5 handles, and arrays in groups. HDF5's own driver: one process writes a file.
 #pragma once
 
-#include "stylet/output/chunk.hpp"
-
 #include <hdf5.h>
-#include <mpi.h>
 
-#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 namespace stylet {
 
-/// Closes what it holds. Closing a file is collective.
+/// Closes what it holds.
 class Hdf5Id {
  public:
   using Closer = herr_t (*)(hid_t);
@@ -39,46 +36,26 @@ class Hdf5Id {
 /// Throws an IoError with HDF5's own message if `status` is negative.
 void check_hdf5(herr_t status, const std::string& what);
 
-/// Collective. A new file with the MPI driver; replaces an old one.
-[[nodiscard]] Hdf5Id create_hdf5_file(MPI_Comm comm, const std::string& path);
+/// How groups of a few arrays are made: their links lie in one piece.
+[[nodiscard]] Hdf5Id small_group_properties();
 [[nodiscard]] Hdf5Id create_group(hid_t parent, const std::string& name);
 
 void set_attribute(hid_t object, const std::string& name, const std::string& text);
 void set_attribute(hid_t object, const std::string& name, double value);
 void set_attribute(hid_t object, const std::string& name, unsigned long long value);
 
-/// An array of a file and this rank's rows of it. Created on all ranks first and written after all
-/// have agreed that this went well, because a write that only some ranks enter would hang.
-struct PendingArray {
-  Hdf5Id dataset;
-  hid_t memory_type;
-  hsize_t first_row;
-  hsize_t n_rows;  ///< of this rank, may be 0
-  hsize_t n_columns;
-  const void* data;  ///< borrowed until written
-};
-
-struct ArrayShape {
-  hsize_t n_rows;
-  hsize_t n_columns;  ///< 1: the array has one index only
-};
-
-/// Collective. Raw contiguous rows, without fill values, with the attribute `unit`.
-[[nodiscard]] PendingArray create_array(hid_t parent,
-                                        const std::string& name,
-                                        const std::string& unit,
-                                        ArrayShape shape,
-                                        Range rows,
-                                        const double* data);
-[[nodiscard]] PendingArray create_array(hid_t parent,
-                                        const std::string& name,
-                                        const std::string& unit,
-                                        ArrayShape shape,
-                                        Range rows,
-                                        const int* data);
-
-/// Collective. Returns what went wrong on this rank instead of throwing, so that all ranks enter
-/// the next write.
-[[nodiscard]] std::optional<std::string> write_array(const PendingArray& array);
+/// A new array of rows, with the attribute `unit`. columns: 1 if it has one index only.
+Hdf5Id write_array(hid_t parent,
+                   const std::string& name,
+                   const std::string& unit,
+                   int columns,
+                   std::span<const double> values);
+Hdf5Id write_array(hid_t parent,
+                   const std::string& name,
+                   const std::string& unit,
+                   int columns,
+                   std::span<const int> values);
+/// Another name for an array.
+void link_array(hid_t array, hid_t parent, const std::string& name);
 
 }  // namespace stylet

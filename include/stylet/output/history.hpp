@@ -50,7 +50,4 @@ class HistoryWriter {
   std::chrono::steady_clock::time_point handed_over_;
 };
 
-/// Appends the number as history.csv shows it.
-void append_number(std::string& text, double value);
-
 }  // namespace stylet

@@ -7,7 +7,8 @@
 //   /step_000012/polylines/needle, /step_000012/point_sets/seeds     (n, 2) in m, world frame
 //
 // Every array has the attribute `unit`. A mesh is stored again only when its version changed, and
-// with a link to the same connectivity as long as nodes only moved.
+// with a link to the same connectivity as long as nodes only moved; flags and points that are those of
+// the last snapshot are links to them.
 // snapshots.xdmf shows the tissue (apply "Warp By Vector" with u), snapshots_needle.xdmf the
 // polylines and point sets, which must not be warped.
 #pragma once
@@ -67,18 +68,16 @@ struct Snapshot {
   std::vector<PointSet> point_sets = {};
 };
 
-/// Everything is collective. After each snapshot the files on disk are complete and belong to each
-/// other, so a killed run can be looked at (unless it dies inside the few milliseconds in which the
-/// metadata of a snapshot are written). If there is no room for a snapshot, all ranks throw exit
-/// code `io`, the file is closed with the snapshots before, and a further write throws again. A
-/// write that fails in spite of the reserved room ends the job with the same code.
+/// Everything is collective; rank 0 writes. Whenever a run is killed, its files can be read, and hold all
+/// snapshots that were written until then (committed_file.hpp). If there is no room for a snapshot, all
+/// ranks throw exit code `io`, the file is closed with the snapshots before, and a further write throws
+/// again. A write that fails in spite of the reserved room ends the job with the same code.
 class SnapshotWriter {
  public:
   /// Creates the files in an existing folder.
   SnapshotWriter(MPI_Comm comm, const std::string& folder);
   SnapshotWriter(const SnapshotWriter&) = delete;
   SnapshotWriter& operator=(const SnapshotWriter&) = delete;
-  /// Closes the file, but not while an exception unwinds: other ranks may not be there.
   ~SnapshotWriter();
 
   void write(const Snapshot& snapshot);

@@ -1,5 +1,7 @@
-// The text of the XDMF files that tell ParaView what snapshots.h5 holds.
+// The XDMF files that tell ParaView what snapshots.h5 holds.
 #pragma once
+
+#include "stylet/output/growing_xml.hpp"
 
 #include <string>
 #include <vector>
@@ -30,24 +32,23 @@ struct XdmfGrid {
   std::vector<XdmfAttribute> attributes;
 };
 
-/// A series in time, built up as text so that a new snapshot costs its own part only.
+/// A file of a series in time, which can be read at every moment.
 class XdmfSeries {
  public:
-  /// `h5_name`: the HDF5 file, relative to the folder of the XDMF file.
-  explicit XdmfSeries(std::string h5_name) : h5_name_(std::move(h5_name)) {}
+  /// Writes it without steps. `h5_name`: the HDF5 file, relative to the folder of the XDMF file.
+  XdmfSeries(const std::string& path, std::string h5_name);
 
   void add(double time, const XdmfGrid& grid);
   /// Several grids at one time.
   void add(double time, const std::vector<XdmfGrid>& grids);
-  /// The whole file.
-  [[nodiscard]] std::string text() const;
+  void finish() { file_.finish(); }
 
  private:
-  void append_grid(const XdmfGrid& grid, const std::string& time_element);
+  [[nodiscard]] std::string grid_text(const XdmfGrid& grid, const std::string& time_element) const;
   [[nodiscard]] std::string data_item(const StoredArray& array) const;
 
   std::string h5_name_;
-  std::string steps_;
+  GrowingXml file_;
 };
 
 }  // namespace stylet

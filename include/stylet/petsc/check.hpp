@@ -12,8 +12,11 @@ namespace stylet {
 /// Error with PETSc's text and the place of the call.
 void check(PetscErrorCode code, const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
-/// Throws if an MPI call failed.
-void check_mpi(int code, const char* file = __builtin_FILE(), int line = __builtin_LINE());
+/// The same of a call that reads PETSc's options, at once or when a solver is set up: what it finds wrong
+/// with its arguments is the user's, if there are options. Throws InputError that names them.
+void check_options(PetscErrorCode code,
+                   const char* file = __builtin_FILE(),
+                   int line = __builtin_LINE());
 
 void store_exception(std::exception_ptr exception);
 

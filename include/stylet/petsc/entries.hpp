@@ -3,7 +3,7 @@
 
 #include "stylet/petsc/check.hpp"
 
-#include <petscvec.h>
+#include <petscmat.h>
 
 namespace stylet {
 
@@ -49,5 +49,18 @@ class Values {
   PetscInt end_ = 0;
   const PetscScalar* values_ = nullptr;
 };
+
+/// Calls each(column, value) along an owned row of a matrix, by ascending columns, without zeros.
+template <class Each>
+void along_row(Mat matrix, int row, Each&& each) {
+  PetscInt n = 0;
+  const PetscInt* columns = nullptr;
+  const PetscScalar* values = nullptr;
+  check(MatGetRow(matrix, row, &n, &columns, &values));
+  for (PetscInt j = 0; j < n; ++j) {
+    if (values[j] != 0) each(columns[j], values[j]);
+  }
+  check(MatRestoreRow(matrix, row, &n, &columns, &values));
+}
 
 }  // namespace stylet

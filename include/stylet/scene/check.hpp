@@ -8,8 +8,16 @@
 namespace stylet {
 
 /// Everything a scene made in code has to keep: the range of every key and the rules. Throws
-/// InputError. load_scene has already done it.
+/// InputError, as load_scene does, with scene.file as the place. load_scene has already done it, a Simulation
+/// does it for scenes without a document.
 void check(const Scene& scene);
+
+/// The same for a needle that enters by a hand's orders (LiveHand), whatever its `motion`: keys are
+/// called as those of the scene's first needle would be.
+void check_needle(const Scene& scene, const NeedleParameters& needle);
+
+/// The place of scenes that have no file, in messages.
+inline constexpr const char* scene_in_code = "scene";
 
 /// The rules alone, with messages that point into the document the scene was read from.
 void check_rules(const Scene& scene, const Node& document);

@@ -5,6 +5,7 @@
 #include "stylet/dynamics/time_integrator.hpp"
 #include "stylet/mesh/embedded_point.hpp"
 #include "stylet/needle/track.hpp"
+#include "stylet/needle/track_view.hpp"
 #include "stylet/needle/view.hpp"
 #include "stylet/scene/scene.hpp"
 #include "stylet/simulation/conditions.hpp"
@@ -56,9 +57,10 @@ class Body {
   [[nodiscard]] bool decides_by_velocity() const { return integrator_->decides_by_velocity(); }
   /// What holds the tissue apart from the needle, now.
   [[nodiscard]] std::span<const PrescribedDof> held() const { return held_; }
-  /// These constraints without those of held dofs: where a support and the needle meet, the support
+  /// These conditions without those of held dofs: where a support and the needle meet, the support
   /// holds.
-  [[nodiscard]] ConstraintSet beside_held(ConstraintSet constraints) const;
+  [[nodiscard]] ConstraintSet beside_held(const TrackConditions& conditions,
+                                          const TrackOperator& track) const;
 
   /// Takes points along through all edits.
   Riders embed(std::span<const EmbeddedPoint> points);
@@ -73,8 +75,12 @@ class Body {
   void apply(const NeedleEdits& edits, const Track* repaired = nullptr);
   /// Collective. The state at these nodes.
   [[nodiscard]] NeedleView view(std::span<const int> nodes) const;
-  /// Collective. The trial at these watched nodes.
-  [[nodiscard]] TrialView view(std::span<const int> nodes, const Trial& trial) const;
+  /// Collective. The displacements of the state at these points of a track, ascending (m).
+  [[nodiscard]] TrackStart view(const TrackOperator& track, std::span<const int> points) const;
+  /// Collective. The trial at these watched points.
+  [[nodiscard]] TrackTrial view(const TrackOperator& track,
+                                std::span<const int> points,
+                                const Trial& trial) const;
 
   /// Collective. A needle that the scene does not know is about to enter at this height (m): checks its
   /// way in, and makes room for its edits.
@@ -87,8 +93,8 @@ class Body {
   void start();
   /// Collective. Starts a step of h (s) from the state: loads and prescribed displacements of its end.
   void begin(double h);
-  /// Collective. The next trials must hold the values of these nodes.
-  void watch(std::span<const int> nodes) { integrator_->watch(nodes); }
+  /// Collective. The next trials must hold the values of these points of a track.
+  void watch(const TrackOperator& track, std::span<const int> points);
   /// Collective. The end of the step under these constraints; edited: since the last trial.
   Trial attempt(const ConstraintSet& constraints, bool edited);
   /// Collective. The last trial; `whole` if it is asked for at all nodes.
@@ -108,6 +114,9 @@ class Body {
   [[nodiscard]] Vector2 curve_reaction(std::size_t curve) const;
 
  private:
+  [[nodiscard]] std::vector<std::vector<TrackVector>> on_track(const TrackOperator& track,
+                                                               std::span<const int> points,
+                                                               std::span<const Vec> vectors) const;
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
   std::vector<int> rewrite(const NeedleEdits& edits, const Track* repaired);
@@ -116,8 +125,8 @@ class Body {
   NumberedMesh numbered_;
   Conditions conditions_;
   std::unique_ptr<TissueOperator> tissue_;
-  EnergyLedger ledger_;
   std::unique_ptr<TimeIntegrator> integrator_;
+  EnergyLedger ledger_;
   State state_;
   std::vector<PrescribedDof> held_;
   std::vector<EmbeddedPoint> riders_;

@@ -1,7 +1,6 @@
 // Where the energy of a run is, and the end of a run that makes energy.
 #pragma once
 
-#include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 
 namespace stylet {
@@ -24,14 +23,14 @@ struct Energies {
 /// Of the tissue (J); work: a vector of dofs, overwritten. Collective.
 [[nodiscard]] double kinetic_energy(const TissueOperator& tissue, Vec v, Vec work);
 
-/// Work is summed in every step, by what is declared: nothing without damping and loads. Kinetic and
-/// strain energy are the integrator's: of every implicit step, which knows them, and every twentieth
+/// Work is summed in every step. What a scheme does with energy, its trials and its rules tell. Kinetic
+/// and strain energy are the integrator's: of every implicit step, which knows them, and every twentieth
 /// explicit one, where they cost a pass over the mesh. What edits add is measured on their own rows.
 class EnergyLedger {
  public:
   EnergyLedger(const TissueOperator& tissue,
                const Mesh& mesh,
-               const TimeParameters& time,
+               const EnergyRules& rules,
                double thickness);
 
   /// Kinetic and strain energy (J) of the couplings among these nodes, ascending: it changes by as much
@@ -61,14 +60,9 @@ class EnergyLedger {
            double external,
            double dissipated);
 
-  /// Weight of the forces at the end of a step, those at its start have the rest: what makes the
-  /// work exact in the scheme.
-  [[nodiscard]] double end_weight(const Trial& trial) const {
-    return trial.only_end ? 1 : end_weight_;
-  }
   /// True if kinetic and strain energy are of an earlier step.
   [[nodiscard]] bool unchecked() const { return unchecked_ > 0; }
-  [[nodiscard]] bool due() const { return unchecked_ >= interval_; }
+  [[nodiscard]] bool due() const { return unchecked_ >= rules_.interval; }
 
   /// Collective, after a step. Kinetic and strain energy for the record; what is checked, and when, does
   /// not depend on it.
@@ -88,14 +82,9 @@ class EnergyLedger {
   [[nodiscard]] double onset_work(
       const TissueOperator& tissue, const Trial& end, double h, Vec load0, Vec load1) const;
 
-  bool inertia_;
-  double end_weight_;
-  bool is_explicit_;
-  const char* advice_;    ///< of the message that ends a run
-  double largest_swing_;  ///< kinetic and strain energy over what was supplied, if stable
-  double swing_ = 0;      ///< by which they are above it now (J): h²/8 a M a
-  double h_ = 0;          ///< of the last step (s)
-  int interval_;
+  EnergyRules rules_;
+  double swing_ = 0;  ///< by which kinetic and strain energy are above what is conserved now (J)
+  double swing_time_ = 0;  ///< of the last step (s)
   int unchecked_ = 0;
   bool checks_ = true;
   double largest_ = 0;  ///< energy so far, at least that of round-off (J)
@@ -103,7 +92,6 @@ class EnergyLedger {
   Energies energies_;
   OwnedVec increment_;
   OwnedVec work_;
-  OwnedVec half_velocity_;  ///< of the last explicit step, where stiffness damps
 };
 
 }  // namespace stylet

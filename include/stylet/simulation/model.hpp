@@ -61,7 +61,8 @@ void check_step(const Scene& scene, const Mesh& mesh, double step);
 [[nodiscard]] std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
                                                           const Scene& scene,
                                                           const NumberedMesh& numbered,
-                                                          bool live = false);
+                                                          bool live = false,
+                                                          Stiffness kept = Stiffness::matrix);
 
 /// The outer outline of a region as closed polygon of mesh points, counter-clockwise; holes in it,
 /// such as another region inside, are left out. Throws InputError if it is not one closed curve.

@@ -40,4 +40,11 @@ struct NeedlePath {
 /// curve that is held or moved.
 void check_needles(const Scene& scene, const Mesh& mesh, const Conditions& conditions);
 
+/// Which of these nodes a support holds or a prescribed curve moves, and on which curves they lie, for a
+/// step that failed there; empty if there is none.
+[[nodiscard]] std::string held_points_text(const Scene& scene,
+                                           const Mesh& mesh,
+                                           std::span<const PrescribedDof> held,
+                                           std::span<const int> nodes);
+
 }  // namespace stylet

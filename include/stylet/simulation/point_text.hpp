@@ -1,9 +1,11 @@
 // Numbers and points in messages.
 #pragma once
 
+#include "stylet/base/text.hpp"
 #include "stylet/geometry/rotation.hpp"
 #include "stylet/scene/scene.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -16,10 +18,18 @@ inline std::string brief(double value) {
   return text;
 }
 
-/// A point as the scene has it: '(0.08, 0.03) m'.
-inline std::string point_text(const Scene& scene, ReferencePoint x) {
+/// A vector or a point of the needle's frame as the scene has it, '(0.08, 0.03)', without what the turn
+/// leaves of nothing.
+template <class Pair>
+std::string pair_text(const Scene& scene, Pair x, double factor = 1) {
   const auto p = Rotation(scene.needle_angle).to_scene(x);
-  return "(" + brief(p.x) + ", " + brief(p.y) + ") m";
+  const double size = std::hypot(p.x, p.y);
+  return "(" + brief(factor * cleared(p.x, size)) + ", " + brief(factor * cleared(p.y, size)) + ")";
+}
+
+/// '(0.08, 0.03) m'.
+inline std::string point_text(const Scene& scene, ReferencePoint x) {
+  return pair_text(scene, x) + " m";
 }
 
 }  // namespace stylet

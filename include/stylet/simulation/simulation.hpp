@@ -43,7 +43,8 @@ struct RunCounts {
 
 class Simulation {
  public:
-  /// Collective. Throws InputError where scene and mesh do not fit. track_energy: weighed after every
+  /// Collective. Throws InputError where the scene is not valid, or scene and mesh do not fit. A scene with a
+  /// `document` has been checked by load_scene; who changes it in code calls `check`. track_energy: weighed after every
   /// step, for the history. hand: none for the schedule of the scene; its needles enter at places of
   /// the turned scene (`rotation`).
   Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand = nullptr);
@@ -103,6 +104,7 @@ class Simulation {
 
  private:
   StepRecord step_unguarded();
+  [[nodiscard]] std::string held_points() const;
   void act_without_time();
   void fulfil(const Wish& wish);
   void enter(const NeedleParameters& parameters);

@@ -1,5 +1,8 @@
-// What holds and pushes the tissue during one step. Plain data: the needle makes it too.
+// What holds and pushes the tissue during one step. Dofs beyond the mesh's own are rows of `track`
+// (coordinate_of).
 #pragma once
+
+#include "stylet/solvers/track_operator.hpp"
 
 #include <optional>
 #include <vector>
@@ -11,11 +14,6 @@ struct PrescribedDof {
   int dof;
   double value;
   bool velocity = false;
-};
-
-struct DofValue {
-  int dof;
-  double value;
 };
 
 /// The one condition of a tip: sum of weight times displacement = value at the end of the step (m),
@@ -33,8 +31,9 @@ struct MeanCondition {
 struct ConstraintSet {
   std::vector<PrescribedDof> dofs;  ///< each dof at most once
   std::optional<MeanCondition> mean;
-  std::vector<DofValue> forces;  ///< N, on dofs
-  bool load_jumps = false;       ///< other forces on the tissue begin in this step
+  std::vector<DofValue> forces;          ///< N, on dofs
+  bool load_jumps = false;               ///< other forces on the tissue begin in this step
+  const TrackOperator* track = nullptr;  ///< lent; of rows, if there are any
 };
 
 /// Throws NumericalError: a mean condition whose dofs are all held.

@@ -1,15 +1,16 @@
-// A x = b condensed to the dofs near the needle, exactly (static condensation).
+// A x = b condensed to what is near the needle, exactly (static condensation).
 //
-// A0 is the operator when it was factored, with the supports eliminated; A = A0 + E on the near dofs
-// D: those of nodes that an edit has touched since, and those that the needle holds. With G the
-// block D x D of A0^-1 and S = G^-1,
+// A0 is the operator when it was factored, with the supports eliminated; A = A0 + E on the dofs of
+// nodes that an edit has touched since. Near are q = B x + C f: those dofs and those that the needle
+// holds, whose rows of B are unit vectors without C, and rows of a track (track_operator.hpp). With the
+// compliance W = B A0^-1 B^T + C and S = W^-1,
 //
-//   (S + E) x_D = S y_D + f_D,   y = A0^-1 b,   x = y + A0^-1 I_D S (x_D - y_D)
+//   (S + E) q = S B y + f,   y = A0^-1 b,   x = y + A0^-1 B^T S (q - B y)
 //
-// f_D: forces on near dofs, changes of b after `load`, and what prescribed dofs and the mean
+// f: forces on near coordinates, changes of b after `load`, and what given ones and the mean
 // condition need. So a step costs one solve before its trials and one after them; a trial is dense
-// algebra on D. D only grows, by solves for columns of G, until it is worth factoring anew. All
-// ranks hold the dense matrices; what they decide on is what rank 0 makes of them.
+// algebra. The near field only grows, by solves for columns of W, until it is worth factoring anew.
+// All ranks hold the dense matrices; what they decide on is what rank 0 makes of them.
 #pragma once
 
 #include "stylet/solvers/constraint_set.hpp"
@@ -24,12 +25,17 @@
 
 namespace stylet {
 
+class Entries;
+
 class NearField {
  public:
   /// Collective.
   NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_dofs_(n_dofs), whole_(comm, n_dofs) {}
 
-  /// Collective. New factor with these dofs eliminated (of all ranks); no near dofs.
+  /// The rows behind the dofs, as long as there are any near; lent. Their compliance must be positive
+  /// definite beside that of the tissue.
+  void follow(const TrackOperator* track) { track_ = track; }
+  /// Collective. New factor with these dofs eliminated (of all ranks); nothing near.
   void factor(Mat a, std::span<const PrescribedDof> held);
   /// Of the whole tissue's solver.
   [[nodiscard]] const WholeSolver& whole() const { return whole_; }
@@ -40,13 +46,19 @@ class NearField {
   [[nodiscard]] bool wants_factor() const;
 
   [[nodiscard]] bool eliminated(int dof) const { return held_.contains(dof); }
-  /// Near dofs in the order in which they came.
-  [[nodiscard]] const std::vector<int>& dofs() const { return dofs_; }
-  [[nodiscard]] bool is_near(int dof) const { return index_.contains(dof); }
-  [[nodiscard]] std::size_t at(int dof) const { return index_.at(dof); }
+  /// Near coordinates, dofs or rows (coordinate_of), in the order in which they came.
+  [[nodiscard]] const std::vector<int>& coordinates() const { return coordinates_; }
+  [[nodiscard]] bool is_near(int coordinate) const { return index_.contains(coordinate); }
+  [[nodiscard]] std::size_t at(int coordinate) const { return index_.at(coordinate); }
+  [[nodiscard]] bool is_row(std::size_t at) const { return coordinates_[at] >= n_dofs_; }
 
-  /// Collective. Makes these dofs near; eliminated ones and those that are near are passed over.
-  void include(std::span<const int> dofs);
+  /// Collective. Makes these near; eliminated dofs and what is near are passed over.
+  void include(std::span<const int> coordinates);
+  /// Collective. B times vectors at near coordinates, from the `from`-th on, on every rank.
+  [[nodiscard]] std::vector<std::vector<double>> values(std::span<const Vec> vectors,
+                                                        std::size_t from = 0) const;
+  /// r -= B^T force, of one near coordinate.
+  void subtract(std::size_t at, double force, Entries& r) const;
   /// Collective. Rows and columns of these dofs differ from the factor's, among each other only.
   void changed(Mat a, std::span<const int> dofs);
   /// Collective. b: zero at eliminated dofs; lent until the next load or unload.
@@ -59,18 +71,18 @@ class NearField {
     double value;
   };
   struct Solution {
-    std::vector<double> x;         ///< of the near dofs
-    std::vector<double> reaction;  ///< A x - b - lambda w at given dofs, zero elsewhere
+    std::vector<double> x;         ///< q
+    std::vector<double> reaction;  ///< f at given coordinates, less extra and lambda w; else zero
     double lambda = 0;
   };
-  /// Collective: rank 0's numbers, since contacts hang on them. extra: added to b at the near dofs.
-  /// weights: of near dofs, or empty; value: of their condition. Throws NumericalError if it cannot be
-  /// met.
+  /// Collective: rank 0's numbers, since contacts hang on them. extra: forces on near coordinates.
+  /// weights: of near coordinates, or empty; value: of their condition. Throws NumericalError if it
+  /// cannot be met.
   Solution solve(std::span<const double> extra,
                  std::span<const Given> given,
                  std::span<const Given> weights,
                  double value);
-  /// Collective. x = A0^-1 times forces on the first near dofs.
+  /// Collective. x = A0^-1 B^T forces, on the first near coordinates.
   void respond(std::span<const double> forces, Vec x);
   /// Collective. residual = A x - b
   using Balance = std::function<void(Vec x, Vec residual)>;
@@ -87,12 +99,18 @@ class NearField {
                 Vec x,
                 Vec residual);
 
-  /// A0 and E of x at the near dofs, if b was zero.
+  /// S and E times q: forces on the near coordinates, if b was zero.
   [[nodiscard]] std::vector<double> factored_forces(std::span<const double> x) const;
   [[nodiscard]] std::vector<double> changed_forces(std::span<const double> x) const;
 
  private:
-  void grow(std::span<const int> dofs);
+  void grow(std::span<const int> coordinates);
+  [[nodiscard]] std::vector<double> compliance(std::size_t from);
+  [[nodiscard]] std::vector<double> loaded(std::size_t from);
+  [[nodiscard]] std::vector<int> dofs_behind(std::size_t from) const;
+  [[nodiscard]] std::vector<double> sum_rows(std::size_t from,
+                                             std::span<const double> values) const;
+  void answer(std::span<const double> forces, bool add_loaded, Vec x);
   [[nodiscard]] double largest_free(Vec residual) const;
   void expand(std::span<const double> x_near, Vec x);
   [[nodiscard]] Solution solve_here(std::span<const double> extra,
@@ -101,7 +119,7 @@ class NearField {
                                     double value);
   void refactor_dense(const std::vector<bool>& masked);
   void substitute(std::vector<double>& x) const;
-  [[nodiscard]] std::size_t size() const { return dofs_.size(); }
+  [[nodiscard]] std::size_t size() const { return coordinates_.size(); }
 
   MPI_Comm comm_;
   PetscInt n_dofs_;
@@ -110,7 +128,10 @@ class NearField {
   bool stale_ = true;
   std::unordered_set<int> held_;
   std::vector<int> held_here_;  ///< those of owned dofs, ascending
-  std::vector<int> dofs_;
+  const TrackOperator* track_ = nullptr;
+  std::vector<int> coordinates_;
+  std::vector<SparseRow> rows_;  ///< of B; empty for a dof
+  bool only_dofs_ = true;
   std::unordered_map<int, std::size_t> index_;
   std::vector<std::size_t> changed_;
   std::vector<bool> is_changed_;
@@ -121,6 +142,7 @@ class NearField {
   std::vector<bool> mask_;
   std::size_t valid_ = 0;  ///< leading rows of l_ that hold
   OwnedVec correction_;
+  OwnedVec column_;  ///< of A0^-1 B^T
   std::vector<double> y_near_;
   std::vector<double> s_y_;
 };

@@ -15,19 +15,23 @@ namespace stylet {
 struct Table {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
+  std::string plan = {};  ///< fingerprint of the plan that the rows are results of
 
   /// Number of a column. Throws InputError if there is none of that name.
   [[nodiscard]] std::size_t column(const std::string& name) const;
 };
 
-/// One line of CSV (RFC 4180); a field with commas, quotes or line ends is quoted.
-[[nodiscard]] std::string csv_line(std::span<const std::string> fields);
-
 /// A line that the writer did not finish, at the end, is left out. Throws InputError for rows that
 /// have not as many fields as the header.
 [[nodiscard]] Table read_csv(const std::string& path, const std::string& text);
 
-/// Appends rows; rank 0's file. A row is with the operating system when `append` returns.
+/// The rows of a ResultsFile by this plan. Throws InputError that names the row for one that is not as it was
+/// written, or was written by another plan: rows are taken for results.
+[[nodiscard]] Table read_results(const std::string& path,
+                                 const std::string& text,
+                                 const std::string& plan);
+
+/// Appends rows, each with its fingerprint; rank 0's file. A row is with the operating system when `append` returns.
 class ResultsFile {
  public:
   /// Collective. `kept`: rows of an earlier run that stay. The file is replaced as a whole, so that

@@ -34,5 +34,13 @@ TEST(Text, ExactNumbersReadBackAsTheSameBits) {
   EXPECT_EQ(exact(0.06), "0.06");
 }
 
+TEST(Text, WhatIsRoundOffBesideItsSizeIsNothing) {
+  EXPECT_EQ(cleared(-3.67e-18, 0.06), 0);
+  EXPECT_EQ(cleared(6e-17, 1), 0);
+  EXPECT_EQ(cleared(-1e-9, 1), -1e-9);
+  EXPECT_EQ(cleared(5e-18, 1e-17), 5e-18);
+  EXPECT_EQ(cleared(0.1, 0), 0.1);
+}
+
 }  // namespace
 }  // namespace stylet

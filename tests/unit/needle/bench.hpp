@@ -90,8 +90,8 @@ struct Bench {
         rewrite(mesh, needle.plan(still(mesh)));
         look();
       }
-      std::vector<int> nodes = needle.loaded_nodes();
-      const TrialView trial(nodes, std::vector<NodeTrial>(nodes.size()));
+      std::vector<int> points = needle.loaded_points();
+      const TrackTrial trial(points, std::vector<PointTrial>(points.size()));
       // Where the first cut went too far ahead the tip waits for the needle without a force.
       const bool waits = Axis::along(mesh.point(needle.track().tip())) > now.to;
       const double lambda = needle.tip_contact() == TipContact::stick && !waits ? force : 0;
@@ -101,10 +101,10 @@ struct Bench {
       return;
     }
   }
-  [[nodiscard]] NeedleView still_shaft() const {
-    std::vector<int> nodes = needle.loaded_nodes();
-    const std::size_t n = nodes.size();
-    return {std::move(nodes), std::vector<NodeState>(n)};
+  [[nodiscard]] TrackStart still_shaft() const {
+    std::vector<int> points = needle.loaded_points();
+    const std::size_t n = points.size();
+    return {std::move(points), std::vector<TrackVector>(n)};
   }
 };
 

@@ -18,14 +18,14 @@ constexpr double above = 10;  // N, more than any threshold here
 
 /// Sum of the tip's weights: of its condition where it sticks, of its forces per newton where it cuts.
 double sum_of_weights(const Needle& needle) {
-  const auto set = needle.constraints();
+  const auto set = needle.conditions();
   double sum = 0;
   if (needle.tip_contact() == TipContact::stick) {
-    for (const auto& [dof, weight] : set.mean->weights) sum += weight;
+    for (const auto& [point, share] : set.mean->shares) sum += share;
   } else {
-    for (const auto& [dof, force] : set.forces) sum += force;  // the threshold is 1 N
+    for (const auto& [place, force] : set.forces) sum += force;  // the threshold is 1 N
   }
-  return Axis::along_sign * sum;
+  return sum;
 }
 
 TEST(Needle, StandsAtTheSkinFirst) {
@@ -49,8 +49,8 @@ TEST(Needle, PointTipPushesUntilTheThreshold) {
 /// Of the tip's forces while it cuts (N).
 double cutting_force(const Needle& needle) {
   double sum = 0;
-  for (const auto& [dof, force] : needle.constraints().forces) sum += force;
-  return Axis::along_sign * sum;
+  for (const auto& [place, force] : needle.conditions().forces) sum += force;
+  return sum;
 }
 
 TEST(Needle, CutsWithThatPartOfItsForceThatIsIn) {
@@ -75,9 +75,10 @@ TEST(Needle, PressesOnTheSkinWithTheRestOfItsTip) {
     bench.step(0.05, above);
     const double s = bench.needle.track().distances(bench.mesh).front();
     double on_skin = 0;  // but for the node of the entry, which is of the path too
-    for (const auto& [dof, weight] : bench.needle.constraints().forces) {
+    for (const auto& [place, force] : bench.needle.conditions().forces) {
+      const int dof = bench.needle.track_operator().row(place)[0].dof;
       const ReferencePoint x = bench.mesh.point(dof / 2);
-      if (x.x == 0.08 && x.y != 0.03) on_skin -= weight;
+      if (x.x == 0.08 && x.y != 0.03) on_skin += force;
     }
     // The strip's hats without the middle one's share: elements are 5 mm.
     const double half = 0.5 * std::max(0.0, tip_length - s);
@@ -212,20 +213,25 @@ TEST(Needle, TipWeightsSumToOne) {
 TEST(Needle, PointTipLoadsOneNode) {
   Bench bench(Mesh(tissue(16, 12)), needle_at(0.03, 0.02));
   for (int i = 0; i < 5; ++i) bench.step(0.05, above);
-  const auto set = bench.needle.constraints();
+  const auto set = bench.needle.conditions();
   ASSERT_EQ(set.forces.size(), 1U);
-  EXPECT_EQ(set.forces[0].dof, Axis::along_dof(bench.needle.track().tip()));
-  EXPECT_EQ(set.forces[0].value, -1);  // 1 N towards -x
+  const SparseRow row = bench.needle.track_operator().row(set.forces[0].place);
+  ASSERT_EQ(row.size(), 1U);
+  EXPECT_EQ(row[0].dof, Axis::along_dof(bench.needle.track().tip()));
+  EXPECT_EQ(row[0].value * set.forces[0].force, -1);  // 1 N towards -x
 }
 
 TEST(Needle, ShaftIsHeldOnItsAxis) {
   Bench bench(Mesh(tissue(16, 12, 0.2)), needle_at(0.0317, 0.03));
   while (!bench.motion.finished()) bench.step(0.05, above);
   std::set<int> held;
-  for (const auto& dof : bench.needle.constraints().dofs) {
-    EXPECT_FALSE(dof.velocity);
-    EXPECT_NEAR(dof.value, 0, 1e-15);  // the nodes stand on the axis already
-    held.insert(dof.dof);
+  for (const auto& hold : bench.needle.conditions().held) {
+    EXPECT_FALSE(hold.velocity);
+    EXPECT_NEAR(hold.value, 0, 1e-15);  // the nodes stand on the axis already
+    const SparseRow row = bench.needle.track_operator().row(hold.place);
+    ASSERT_EQ(row.size(), 1U);
+    EXPECT_EQ(row[0].value, 1);
+    held.insert(row[0].dof);
   }
   for (const auto& shaft : bench.needle.track().nodes()) {
     EXPECT_TRUE(held.contains(Axis::across_dof(shaft.node)));
@@ -261,10 +267,10 @@ TEST(Needle, AdvanceWithoutASolutionIsAnError) {
     const double tip = Axis::along(bench.mesh.point(needle.track().tip()));
     const double gap = tip < from + 3e-4 ? 1e-3 : -1e-3;
     const double to = needle.tip() + 1e-3;
-    const std::vector<int> nodes = needle.loaded_nodes();
-    std::vector<NodeTrial> trials(nodes.size());
-    for (auto& node : trials) node.u = {-(to - tip - gap), 0};
-    return needle.review(TrialView(nodes, trials), above);
+    const std::vector<int> points = needle.loaded_points();
+    std::vector<PointTrial> trials(points.size());
+    for (auto& point : trials) point.u = {to - tip - gap, 0};
+    return needle.review(TrackTrial(points, trials), above);
   };
   try {
     // Where the gap jumps the tip holds; but there it bears more than its threshold.

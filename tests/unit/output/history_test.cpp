@@ -1,5 +1,7 @@
 #include "stylet/output/history.hpp"
 
+#include "stylet/output/csv.hpp"
+
 #include "fixture.hpp"
 #include <gmock/gmock.h>
 

@@ -1,0 +1,49 @@
+#include "stylet/simulation/track_binding.hpp"
+
+#include "stylet/base/sorted.hpp"
+
+namespace stylet {
+
+Coordinate find_coordinate(const TrackOperator& track, TrackPlace place, int n_dofs) {
+  const SparseRow row = track.row(place);
+  if (row.size() == 1) return {row[0].dof, row[0].value};
+  return {coordinate_of(n_dofs, place), 1};
+}
+
+ConstraintSet bind(const TrackConditions& conditions, const TrackOperator& track, int n_dofs) {
+  ConstraintSet set;
+  set.track = &track;
+  for (const auto& [place, value, velocity] : conditions.held) {
+    const auto [index, sign] = find_coordinate(track, place, n_dofs);
+    set.dofs.push_back({index, sign * value, velocity});
+  }
+  for (const auto& [place, force] : conditions.forces) {
+    const auto [index, sign] = find_coordinate(track, place, n_dofs);
+    set.forces.push_back({index, sign * force});
+  }
+  if (!conditions.mean) return set;
+  auto& mean = set.mean.emplace();
+  mean.value = conditions.mean->value;
+  mean.rate = conditions.mean->rate;
+  mean.by_rate = conditions.mean->by_rate;
+  for (const auto& [point, share] : conditions.mean->shares) {
+    const auto [index, sign] = find_coordinate(track, {point, Component::along}, n_dofs);
+    mean.weights.push_back({index, sign * share});
+  }
+  return set;
+}
+
+std::vector<int> coordinates_of(const TrackOperator& track,
+                                std::span<const int> points,
+                                int n_dofs) {
+  std::vector<int> coordinates;
+  for (const int point : points) {
+    for (const Component component : {Component::along, Component::across}) {
+      coordinates.push_back(find_coordinate(track, {point, component}, n_dofs).index);
+    }
+  }
+  sort_unique(coordinates);
+  return coordinates;
+}
+
+}  // namespace stylet

@@ -1,0 +1,97 @@
+// Rows of B in the near field: from dofs to near coordinates and back.
+#include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
+#include "stylet/petsc/gather.hpp"
+#include "stylet/solvers/near_field.hpp"
+
+#include <map>
+
+namespace stylet {
+
+// Those that rows from the `from`-th on need, row by row.
+std::vector<int> NearField::dofs_behind(std::size_t from) const {
+  std::vector<int> dofs;
+  for (std::size_t i = from; i < size(); ++i) {
+    if (!is_row(i)) dofs.push_back(coordinates_[i]);
+    for (const auto& [dof, weight] : rows_[i]) dofs.push_back(dof);
+  }
+  return dofs;
+}
+
+// Of values at `dofs_behind`.
+std::vector<double> NearField::sum_rows(std::size_t from, std::span<const double> values) const {
+  std::vector<double> sums;
+  auto next = values.begin();
+  for (std::size_t i = from; i < size(); ++i) {
+    double sum = is_row(i) ? 0 : *next++;
+    for (const auto& [dof, weight] : rows_[i]) sum += weight * *next++;
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+std::vector<std::vector<double>> NearField::values(std::span<const Vec> vectors,
+                                                   std::size_t from) const {
+  auto values = gather(vectors, dofs_behind(from));
+  for (auto& of_vector : values) of_vector = sum_rows(from, of_vector);
+  return values;
+}
+
+void NearField::subtract(std::size_t at, double force, Entries& r) const {
+  const int c = coordinates_[at];
+  if (!is_row(at) && r.owns(c)) r[c] -= force;
+  for (const auto& [dof, weight] : rows_[at]) {
+    if (r.owns(dof)) r[dof] -= weight * force;
+  }
+}
+
+std::vector<double> NearField::loaded(std::size_t from) {
+  return sum_rows(from, whole_.loaded(dofs_behind(from)));
+}
+
+// x = A0^-1 B^T forces. What falls on eliminated dofs their supports bear.
+void NearField::answer(std::span<const double> forces, bool add_loaded, Vec x) {
+  if (only_dofs_) {
+    whole_.respond(std::span(coordinates_).first(forces.size()), forces, add_loaded, x);
+    return;
+  }
+  std::map<int, double> on;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    if (!is_row(i)) on[coordinates_[i]] += forces[i];
+    for (const auto& [dof, weight] : rows_[i]) {
+      if (!held_.contains(dof)) on[dof] += weight * forces[i];
+    }
+  }
+  std::vector<int> dofs;
+  std::vector<double> values;
+  for (const auto& [dof, force] : on) {
+    dofs.push_back(dof);
+    values.push_back(force);
+  }
+  whole_.respond(dofs, values, add_loaded, x);
+}
+
+// Columns of W from the `from`-th on: [column * size() + row].
+std::vector<double> NearField::compliance(std::size_t from) {
+  if (only_dofs_) {
+    return whole_.inverse_entries(coordinates_, std::span(coordinates_).subspan(from));
+  }
+  if (!column_) check(VecDuplicate(correction_.get(), column_.put()));
+  std::vector<double> w;
+  for (std::size_t j = from; j < size(); ++j) {
+    std::vector<double> unit(size(), 0.0);
+    unit[j] = 1;
+    answer(unit, false, column_.get());
+    const Vec vectors[1] = {column_.get()};
+    std::vector<double> column = values(vectors)[0];
+    for (std::size_t i = 0; i < size() && is_row(j); ++i) {
+      if (!is_row(i)) continue;
+      column[i] +=
+          track_->rest(place_of(n_dofs_, coordinates_[i]), place_of(n_dofs_, coordinates_[j]));
+    }
+    w.insert(w.end(), column.begin(), column.end());
+  }
+  return w;
+}
+
+}  // namespace stylet
