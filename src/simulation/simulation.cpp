@@ -7,6 +7,7 @@
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/recorded.hpp"
+#include "stylet/simulation/track_binding.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -89,8 +90,11 @@ StepRecord Simulation::step() {
 std::string Simulation::held_points() const {
   if (!needle_ || needle_->track().empty() || needle_->released()) return {};
   std::vector<int> nodes = needle_->watched();
-  const auto loaded = needle_->loaded_points();
-  nodes.insert(nodes.end(), loaded.begin(), loaded.end());
+  const int n_dofs = 2 * mesh().n_nodes();
+  for (const int dof :
+       coordinates_of(needle_->track_operator(), needle_->loaded_points(), n_dofs)) {
+    if (dof < n_dofs) nodes.push_back(dof / 2);
+  }
   const std::string points = held_points_text(scene_, mesh(), body_.held(), nodes);
   return points.empty() ? points
                         : "; needle '" + needle_->parameters().name +
