@@ -305,16 +305,6 @@ void check_rules(const Scene& scene, const Node& document) {
   Rules(scene, document).check();
 }
 
-void check_needle(const Scene& scene, const NeedleParameters& needle) {
-  const auto codec = held_needle_codec();
-  Node document = Node::map();
-  document.add(codec.write(needle), "needle");
-  document.place({}, "needle '" + needle.name + "'");
-  NeedleParameters copy;
-  codec.read(*document.find("needle"), copy);
-  Rules(scene, document).check_laws(needle, "needle");
-}
-
 std::string why_not_at_rest(const Scene& scene) {
   const auto acts = [](const auto& load) { return load.force != Vector2{}; };
   if (std::ranges::any_of(scene.body_forces, acts)) return "loads.body lasts";

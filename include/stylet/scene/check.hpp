@@ -22,9 +22,6 @@ inline constexpr const char* scene_in_code = "scene";
 /// The rules alone, with messages that point into the document the scene was read from.
 void check_rules(const Scene& scene, const Node& document);
 
-/// The same for a needle that a hand enters in mid-run; its motion is not looked at.
-void check_needle(const Scene& scene, const NeedleParameters& needle);
-
 /// Why the seeds of a run that ends at its last implant are not where they come to rest; empty if
 /// they are: linear tissue that nothing acts on any more goes back to where it was.
 [[nodiscard]] std::string why_not_at_rest(const Scene& scene);
