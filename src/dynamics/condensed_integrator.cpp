@@ -3,6 +3,8 @@
 #include "stylet/base/sorted.hpp"
 #include "stylet/petsc/check.hpp"
 
+#include <numeric>
+
 namespace stylet {
 
 CondensedIntegrator::CondensedIntegrator(TissueOperator& tissue, const Mesh& mesh)
@@ -18,6 +20,14 @@ void CondensedIntegrator::touched(const Mesh& mesh, std::span<const int> cells) 
   const auto rows = tissue_.rows_of(mesh, cells);
   edited_.insert(edited_.end(), rows.begin(), rows.end());
   sort_unique(edited_);
+}
+
+void CondensedIntegrator::renewed(const Mesh& mesh) {
+  std::vector<int> all(static_cast<std::size_t>(mesh.n_cells()));
+  std::iota(all.begin(), all.end(), 0);
+  cells_.update(mesh, all);
+  near_.forget();
+  stored_of_ = {};
 }
 
 StoredEnergy CondensedIntegrator::energy(const State& state) {

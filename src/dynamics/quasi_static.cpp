@@ -62,6 +62,14 @@ void QuasiStatic::factor() {
   fresh_ = true;
 }
 
+// The forces that hold the state belong to the matrices of before, so that the next step has to be
+// whole.
+void QuasiStatic::renewed(const Mesh& mesh) {
+  complete();
+  CondensedIntegrator::renewed(mesh);
+  renewed_ = true;
+}
+
 // Solves for loads, and for displacements of held dofs if they are new.
 void QuasiStatic::load_tissue() {
   PetscReal size = 0;
@@ -164,7 +172,7 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
 }
 
 Trial QuasiStatic::finish(bool whole) {
-  whole_step_ = whole || loaded_;
+  whole_step_ = whole || loaded_ || renewed_;
   if (!whole_step_) return trial_;
   complete();
   const auto balance = [&](Vec x, Vec residual) {
@@ -196,6 +204,7 @@ StoredEnergy QuasiStatic::energy(const State& state) {
 void QuasiStatic::accept() {
   whole_u_ = whole_v_ = whole_step_;
   accepted_h_ = h_;
+  renewed_ = false;
   if (whole_step_) {
     check(VecCopy(u_.get(), state_->u.get()));
     check(VecCopy(v_.get(), state_->v.get()));

@@ -56,6 +56,15 @@ NeedleEdits Needle::enter(const Entry& entry, const NeedleView& start) {
   return path_.enter(entry, start);
 }
 
+void Needle::change(const CuttingParameters& cutting,
+                    const std::optional<FrictionParameters>& friction,
+                    double puncture_force,
+                    std::vector<double> region_modulus) {
+  parameters_.cutting = cutting;
+  parameters_.friction = friction;
+  path_.change(puncture_force, std::move(region_modulus));
+}
+
 std::vector<int> Needle::loaded_points() const {
   std::vector<int> points = path_.loaded_points();
   for (const auto& force : work_.last()) points.push_back(force.point);

@@ -95,6 +95,7 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);  // as in main: MPI looks for the end
   char** all = arguments.data();
+  PETSC_MPI_THREAD_REQUIRED = MPI_THREAD_SERIALIZED;  // the window steps in a thread of its own
   check(SlepcInitialize(&count, &all, nullptr, nullptr));
   check(PetscOptionsClearValue(nullptr, skip.c_str()));
   // Errors are returned and become exceptions (check); PETSc's own traceback would repeat them.
@@ -104,10 +105,14 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   // below PETSc (MUMPS, hypre, ScaLAPACK) do not look at what their MPI calls return.
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_ARE_FATAL);
   for (const int signal : ignored) std::signal(signal, SIG_IGN);  // PETSc has forgotten it
-  // One thread a rank: CHOLMOD's loops over a front take four, whatever OMP_NUM_THREADS says, and a
-  // third longer for it.
-  omp_set_max_active_levels(0);
+  use_in_this_thread();
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is a failed write, not an end
+}
+
+// One thread a rank: CHOLMOD's loops over a front take four, whatever OMP_NUM_THREADS says, and a third
+// longer for it.
+void use_in_this_thread() {
+  omp_set_max_active_levels(0);
 }
 
 Session::~Session() {

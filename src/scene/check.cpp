@@ -4,6 +4,7 @@
 #include "stylet/base/text.hpp"
 #include "stylet/scene/quantities.hpp"
 #include "stylet/scene/schema.hpp"
+#include "stylet/scene/schema_needle.hpp"
 #include "stylet/scene/writer.hpp"
 
 #include <algorithm>
@@ -43,15 +44,21 @@ class Rules {
     check_tissue();
     check_loads();
     for (std::size_t i = 0; i < scene_.needles.size(); ++i) {
-      check_cutting(scene_.needles[i].cutting, item("needles", i) + ".cutting");
-      check_increment(scene_.needles[i], item("needles", i));
-      check_friction(scene_.needles[i].friction, item("needles", i) + ".friction");
+      check_laws(scene_.needles[i], item("needles", i));
       check_motion(scene_.needles[i].motion, item("needles", i) + ".motion");
     }
     check_needles_leave();
     check_names();
     check_time();
     check_expect();
+    check_procedure();
+    check_image();
+  }
+
+  void check_laws(const NeedleParameters& needle, const std::string& path) const {
+    check_cutting(needle.cutting, path + ".cutting");
+    check_increment(needle, path);
+    check_friction(needle.friction, path + ".friction");
   }
 
  private:
@@ -226,7 +233,7 @@ class Rules {
 
   void check_time() const {
     const TimeParameters& time = scene_.time;
-    if (scene_.needles.empty()) {
+    if (scene_.needles.empty() && !scene_.procedure) {
       require(time.duration > 0, "time.duration", "> 0 s in a scene without needles");
       require(time.step <= time.duration || time.method == TimeMethod::explicit_newmark,
               "time.step", "at most time.duration, which is " + exact(time.duration) + " s");
@@ -253,7 +260,7 @@ class Rules {
   }
 
   void check_expect() const {
-    if (scene_.expect.empty()) return;
+    if (scene_.expect.empty() || scene_.procedure) return;
     const auto quantities = names_of(summary_quantities(scene_), &SummaryQuantity::path);
     for (std::size_t i = 0; i < scene_.expect.size(); ++i) {
       const Expectation& expect = scene_.expect[i];
@@ -266,6 +273,26 @@ class Rules {
       require(expect.min != open.min || expect.max != open.max, path, "a min or a max, or both");
       require(expect.min <= expect.max, path + ".max", ">= min, which is " + exact(expect.min));
     }
+  }
+
+  void check_procedure() const {
+    if (!scene_.procedure) return;
+    require(scene_.needles.empty(), "needles",
+            "none, because the needles of a recorded procedure are in procedure.file");
+    for (std::size_t i = 0; i < scene_.expect.size(); ++i) {  // its seeds are known in the run
+      require(unit_of_quantity(scene_.expect[i].quantity).has_value(),
+              item("expect", i) + ".quantity", "a number that a run has, such as seeds.0.world.0");
+    }
+  }
+
+  void check_image() const {
+    if (!scene_.image) return;
+    const bool is_file = !scene_.image->file.empty();
+    const std::string allowed = is_file ? "where the picture of image.file lies"
+                                        : "only with image.file; a picture that is made covers the "
+                                          "tissue";
+    require(scene_.image->origin.has_value() == is_file, "image.origin", allowed);
+    require(scene_.image->size.has_value() == is_file, "image.size", allowed);
   }
 
   const Scene& scene_;

@@ -121,22 +121,32 @@ Codec<Action> action() {
   return {key, read, write};
 }
 
+std::vector<Field<NeedleParameters>> held_fields() {
+  using N = NeedleParameters;
+  return {field("name", &N::name, text("a name"), "For messages and output.")
+              .otherwise("needle1, needle2, ..."),
+          field("height", &N::height, number("m", anything),
+                "Coordinate of the axis across the needle.")
+              .required(),
+          field("diameter", &N::diameter, number("m", positive),
+                "What lies within half of it of an earlier needle's path is cut already."),
+          field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
+          field("friction", &N::friction, friction(),
+                "Friction along the shaft; without it there is none.")};
+}
+
 }  // namespace
 
+Codec<NeedleParameters> held_needle_codec() {
+  return block<NeedleParameters>(held_fields());
+}
+
 Codec<NeedleParameters> needle_codec() {
-  using N = NeedleParameters;
-  return block<N>(
-      {field("name", &N::name, text("a name"), "For messages and output.")
-           .otherwise("needle1, needle2, ..."),
-       field("height", &N::height, number("m", anything),
-             "Coordinate of the axis across the needle.")
-           .required(),
-       field("diameter", &N::diameter, number("m", positive),
-             "What lies within half of it of an earlier needle's path is cut already."),
-       field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
-       field("friction", &N::friction, friction(),
-             "Friction along the shaft; without it there is none."),
-       field("motion", &N::motion, list(action()), "What the needle does, in order.").required()});
+  auto fields = held_fields();
+  fields.push_back(
+      field("motion", &NeedleParameters::motion, list(action()), "What the needle does, in order.")
+          .required());
+  return block<NeedleParameters>(fields);
 }
 
 Codec<MembraneParameters> membrane_codec() {

@@ -46,7 +46,7 @@ OwnedVec zeros(const TissueOperator& tissue) {
 
 }  // namespace
 
-Body::Body(MPI_Comm comm, const Scene& scene)
+Body::Body(MPI_Comm comm, const Scene& scene, bool live)
     : scene_(scene),
       numbered_(checked_mesh(comm, scene)),
       conditions_(scene, mesh()),
@@ -54,11 +54,12 @@ Body::Body(MPI_Comm comm, const Scene& scene)
           comm,
           scene,
           numbered_,
+          live,
           scene.time.method == TimeMethod::explicit_newmark ? Stiffness::rows : Stiffness::matrix)),
       integrator_(make_integrator(*tissue_, mesh(), scene.time)),
       ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.thickness),
       held_(conditions_.prescribed(0)) {
-  if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty()) {
+  if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty() || live) {
     check_held(scene, mesh(), held_);
   }
   check_needles(scene, mesh(), conditions_);
@@ -69,6 +70,25 @@ Body::Body(MPI_Comm comm, const Scene& scene)
   std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
   std::iota(all.begin(), all.end(), 0);
   rewrites_.worst_quality = mesh().worst_quality(all);
+}
+
+void Body::expect(const NeedleParameters& needle) {
+  Scene scene = scene_;
+  scene.needles = {needle};
+  scene.needles.front().motion.clear();
+  check_needles(scene, mesh(), conditions_);
+  if (std::ranges::find(heights_, needle.height) != heights_.end()) return;
+  heights_.push_back(needle.height);
+  tissue_->expect_flips(mesh(), near_needles(scene_, mesh(), heights_));
+}
+
+void Body::renew_tissue() {
+  integrator_->complete();
+  const double before = ledger_.conserved(integrator_->energy(state_), *tissue_, state_);
+  tissue_->change(mesh(), scene_.tissue);
+  integrator_->renewed(mesh());
+  ledger_.changed(ledger_.conserved(integrator_->energy(state_), *tissue_, state_) - before);
+  renewed_ = state_.t > 0;  // else the run begins with it
 }
 
 const State& Body::state() const {
@@ -259,7 +279,7 @@ void Body::update_load(double t) {
 
 Trial Body::attempt(const ConstraintSet& constraints, bool edited) {
   ConstraintSet set = constraints;
-  set.load_jumps = load_changes_;
+  set.load_jumps = load_changes_ || renewed_;
   return integrator_->attempt(set, edited);
 }
 
@@ -292,6 +312,7 @@ void Body::accept(const Trial& trial, double work, double dissipated) {
   integrator_->accept();
   if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
   load_changed_ = false;
+  renewed_ = false;
   if (ledger_.due()) ledger_.weigh(integrator_->energy(state_), *tissue_, state_);
 }
 

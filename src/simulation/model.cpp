@@ -14,6 +14,7 @@
 #include "stylet/needle/stops.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/simulation/room.hpp"
 
 #include <algorithm>
@@ -84,13 +85,30 @@ void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
 
 }  // namespace
 
-std::string mesh_path(const Scene& scene) {
-  const auto* name = std::get_if<std::string>(&scene.mesh.source);
-  if (name == nullptr) return {};
-  const std::filesystem::path file = *name;
+std::string path_in(const Scene& scene, const std::string& name) {
+  const std::filesystem::path file = name;
   const auto path =
       file.is_absolute() ? file : std::filesystem::path(scene.file).parent_path() / file;
   return path.lexically_normal().string();
+}
+
+std::string mesh_path(const Scene& scene) {
+  const auto* name = std::get_if<std::string>(&scene.mesh.source);
+  return name == nullptr ? std::string() : path_in(scene, *name);
+}
+
+std::string procedure_path(const Scene& scene) {
+  return scene.procedure ? path_in(scene, scene.procedure->file) : std::string();
+}
+
+Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note) {
+  if (!scene.procedure || !scene.procedure->rows.empty()) return scene;
+  const std::string path = procedure_path(scene);
+  scene.procedure->rows = read_procedure(path, read_on_all(comm, path), note);
+  if (scene.procedure->rows.empty()) {
+    refuse_key(scene, "procedure.file", path + " has no rows; allowed: a recorded procedure");
+  }
+  return scene;
 }
 
 Scene in_needle_frame(Scene scene) {
@@ -190,28 +208,33 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
   }
 }
 
-std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
-                                            const Scene& scene,
-                                            const NumberedMesh& numbered,
-                                            Stiffness kept) {
-  const Mesh& mesh = numbered.mesh;
-  std::function<bool(int)> needs_flips;
-  if (!scene.needles.empty()) {
-    needs_flips = [&scene, &mesh](int node) {
-      double size = 0;
-      for (const int other : mesh.neighbours(node)) {
-        size = std::max(size, distance(mesh.point(node), mesh.point(other)));
-      }
-      // Nodes that the needle may move or whose edges it may flip stand within about two elements;
-      // averaged dilatation hands a flip on to their neighbours.
-      const double reach = scene.tissue.formulation == Formulation::p1_averaged ? 4 : 3;
-      return std::ranges::any_of(scene.needles, [&](const NeedleParameters& needle) {
-        return std::abs(Axis::across(mesh.point(node)) - needle.height) < reach * size;
-      });
-    };
+std::function<bool(int)> near_needles(const Scene& scene,
+                                      const Mesh& mesh,
+                                      const std::vector<double>& heights) {
+  return [&scene, &mesh, heights](int node) {
+    double size = 0;
+    for (const int other : mesh.neighbours(node)) {
+      size = std::max(size, distance(mesh.point(node), mesh.point(other)));
+    }
+    // Nodes that the needle may move or whose edges it may flip stand within about two elements;
+    // averaged dilatation hands a flip on to their neighbours.
+    const double reach = scene.tissue.formulation == Formulation::p1_averaged ? 4 : 3;
+    return std::ranges::any_of(heights, [&](double height) {
+      return std::abs(Axis::across(mesh.point(node)) - height) < reach * size;
+    });
+  };
+}
+
+std::unique_ptr<TissueOperator> make_tissue(
+    MPI_Comm comm, const Scene& scene, const NumberedMesh& numbered, bool live, Stiffness kept) {
+  std::vector<double> heights;
+  if (!live) {
+    for (const NeedleParameters& needle : scene.needles) heights.push_back(needle.height);
   }
-  return std::make_unique<TissueOperator>(comm, mesh, numbered.first_node, scene.tissue,
-                                          needs_flips, kept);
+  std::function<bool(int)> needs_flips;
+  if (live || !heights.empty()) needs_flips = near_needles(scene, numbered.mesh, heights);
+  return std::make_unique<TissueOperator>(comm, numbered.mesh, numbered.first_node, scene.tissue,
+                                          needs_flips, kept, live);
 }
 
 std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& region) {

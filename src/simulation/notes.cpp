@@ -18,9 +18,8 @@ void note_strain(const Simulation& simulation, std::vector<std::string>& notes) 
   if (!(peak.value > most_strain)) return;
   notes.push_back("strain exceeded " + brief(std::round(100 * peak.value)) +
                   " % on a thousandth of the tissue" +
-                  (simulation.scene().needles.empty() ? "" : " away from the needle") +
-                  ", such as at " + point_text(simulation.scene(), peak.place) +
-                  " at t = " + brief(peak.time) +
+                  (simulation.pierces() ? " away from the needle" : "") + ", such as at " +
+                  point_text(simulation.scene(), peak.place) + " at t = " + brief(peak.time) +
                   " s; linear elasticity is good for small strain, up to some 10 %");
 }
 
@@ -196,6 +195,7 @@ void note_held_corners(const Simulation& simulation, std::vector<std::string>& n
 
 std::vector<std::string> notes_of(const Simulation& simulation) {
   std::vector<std::string> notes;
+  if (const auto& note = simulation.procedure_note(); !note.empty()) notes.push_back(note);
   note_motion(simulation, notes);
   note_strain(simulation, notes);
   note_locking(simulation.scene(), notes);

@@ -233,7 +233,8 @@ class Overview {
         break;
     }
     line += ", ";
-    if (scene_.needles.empty()) (void)steps_text(time.duration);
+    if (!simulation_.pierces()) (void)steps_text(time.duration);
+    if (scene_.procedure) (void)steps_text(expected_time(scene_, mesh_));
     line += brief(n_steps_) + (n_steps_ == 1 ? " step of " : " steps of ") + time_text(time.step);
     if (time.method == TimeMethod::explicit_newmark) {
       const double stable = simulation_.counts().stable_step;

@@ -1,16 +1,17 @@
 #include "stylet/simulation/recorder.hpp"
 
-#include "stylet/fem/element.hpp"
-#include "stylet/fem/material.hpp"
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/cell_stress.hpp"
 #include "stylet/simulation/notes.hpp"
+#include "stylet/simulation/score.hpp"
 
 #include <petscversion.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace stylet {
@@ -41,12 +42,19 @@ void each_column(const Simulation& simulation, const StepRecord& step, Add&& add
   const Scene& scene = simulation.scene();
   const Rotation turn = simulation.rotation();
   add("time", "s", [&] { return step.t; });
-  if (!scene.needles.empty()) {
-    const auto tip = [&] {
+  if (simulation.pierces()) {
+    // Before a live hand has entered a needle there is none.
+    const bool is_there = simulation.needle() != nullptr;
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    const auto tip = [&]() -> WorldPoint {
+      if (!is_there) return {nowhere, nowhere};
       const Needle& needle = *simulation.needle();
       return turn.to_scene(needle.axis().template at<WorldFrame>(needle.tip()));
     };
-    const auto reference = [&] { return turn.to_scene(simulation.needle()->tip_point()); };
+    const auto reference = [&]() -> ReferencePoint {
+      if (!is_there) return {nowhere, nowhere};
+      return turn.to_scene(simulation.needle()->tip_point());
+    };
     const NeedleForces& forces = step.needle.forces;
     add("tip_world_x", "m", [&] { return tip().x; });
     add("tip_world_y", "m", [&] { return tip().y; });
@@ -56,7 +64,8 @@ void each_column(const Simulation& simulation, const StepRecord& step, Add&& add
     add("force_friction", "N", [&] { return forces.friction; });
     add("force_needle", "N", [&] { return forces.total(); });
     if (scene.membrane) {
-      add("membrane_held", "", [&] { return simulation.needle()->at_membrane() ? 1 : 0; });
+      add("membrane_held", "",
+          [&] { return is_there && simulation.needle()->at_membrane() ? 1 : 0; });
       add("punctures", "", [&] { return simulation.counts().needle.punctures; });
     }
     add("n_stuck", "", [&] { return step.needle.n_stick; });
@@ -136,29 +145,14 @@ void add_cell_fields(const Simulation& simulation,
   Field energy{"strain_energy_density", true, 1, std::vector<double>(n), "J/m^3"};
   FlagField region{"region", true, std::vector<int>(n)};
   const Mesh& mesh = simulation.mesh();
-  const Rotation turn = simulation.rotation();
   for (std::size_t i = 0; i < n; ++i) {
     const int c = new_of_old_cell[static_cast<std::size_t>(rows.begin) + i];
-    const auto nodes = mesh.cell(c);
-    std::array<LinearSimplex<2>::Vector, 3> x{};
-    std::array<LinearSimplex<2>::Vector, 3> corners{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = 2 * static_cast<std::size_t>(nodes[k]);
-      const auto point = turn.to_scene(mesh.point(nodes[k]));
-      const Vector2 moved = turn.to_scene(Vector2{u[at], u[at + 1]});
-      x[k] = {point.x, point.y};
-      corners[k] = {moved.x, moved.y};
-    }
-    const LinearSimplex<2> element({x[0], x[1], x[2]});
-    const auto h = element.displacement_gradient(corners);
-    const double mu = simulation.tissue().moduli(c).mu;
-    const VolumetricState volume = simulation.tissue().volumetric(mesh, c, u);
-    const PlaneStress s = plane_stress(h, mu, volume.pressure, simulation.scene().tissue.plane);
+    const auto [s, pressure, energy_density] = stress_in(simulation, c, u);
     xx.values[i] = s.xx;
     yy.values[i] = s.yy;
     xy.values[i] = s.xy;
     mises.values[i] = s.von_mises();
-    energy.values[i] = volume.energy_density + shear_energy_density(h, mu);
+    energy.values[i] = energy_density;
     region.values[i] = mesh.region(c);
   }
   for (Field* field : {&xx, &yy, &xy, &mises, &energy})
@@ -322,7 +316,7 @@ ordered_json summarise(MPI_Comm comm,
     }
     summary["seeds"].push_back(entry);
   }
-  if (!scene.needles.empty()) {
+  if (simulation.pierces()) {
     summary["peak_needle_force"] = counts.peak_needle_force;
     summary["hand_overs"] = counts.needle.hand_overs;
     summary["edge_flips"] = counts.edge_flips;
@@ -366,6 +360,9 @@ ordered_json summarise(MPI_Comm comm,
   summary["wall_times"] = wall_times;
   if (const auto& mesh = simulation.numbered().file_fingerprint; !mesh.empty()) {
     summary["fingerprints"]["mesh"] = mesh;
+  }
+  if (const std::string path = procedure_path(scene); !path.empty()) {
+    summary["score"] = json_of(score_of(simulation));
   }
   summary["solver"] = simulation.body().solver();
   summary["solver_options"] = solver_options();

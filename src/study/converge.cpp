@@ -6,6 +6,7 @@
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/scene/writer.hpp"
 #include "stylet/simulation/accuracy.hpp"
 #include "stylet/study/field_sample.hpp"
@@ -40,7 +41,15 @@ std::vector<std::string> quantities_of(const Scene& scene) {
       paths.push_back(own + ".tip_displacement");
     }
   }
-  if (!scene.needles.empty()) paths.emplace_back("peak_needle_force");
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) {
+      if (row.kind != ProcedureRow::Kind::implant) continue;
+      const std::string own = "seeds." + std::to_string(seed++);
+      if (!row.target.empty()) paths.push_back(own + ".placement_error");
+      paths.push_back(own + ".tip_displacement");
+    }
+  }
+  if (!scene.needles.empty() || scene.procedure) paths.emplace_back("peak_needle_force");
   for (const auto& probe : scene.probes) {
     for (const char* component : {".0", ".1"})
       paths.push_back(below("probes", probe.name) + component);
@@ -65,6 +74,10 @@ class Study {
       throw InputError(scene.file +
                        ": key 'time.method': explicit steps are cut to the stable step, so there "
                        "are no step levels to study; use --step-levels 1");
+    }
+    if (scene.procedure && options.store) {
+      refuse_key(scene, "procedure",
+                 "--store keeps the accuracy of scenes with needles of their own");
     }
     result_.quantities = quantities_of(scene);
     require_levels(comm, "converge", scene, scene.mesh.refine + options.mesh_levels - 1.0,

@@ -20,6 +20,7 @@ class CondensedIntegrator : public TimeIntegrator {
     return std::numeric_limits<double>::infinity();
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
+  void renewed(const Mesh& mesh) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] std::string solver() const override { return near_.whole().name(); }

@@ -24,6 +24,10 @@ class Session {
   int exceptions_at_start_;
 };
 
+/// In a thread other than the one of the session, before all else. One thread at a time may use MPI and
+/// the libraries.
+void use_in_this_thread();
+
 [[nodiscard]] int rank_of(MPI_Comm comm);
 [[nodiscard]] int size_of(MPI_Comm comm);
 

@@ -73,6 +73,17 @@ std::string polygon_scene() {
          "membrane: {polygon: [[0 m, 0 m], [1 cm, 0 m], [0 m, 1 cm]], puncture_force: 1 N}\n";
 }
 
+const std::string procedure_scene =
+    R"(mesh: {rectangle: {size: [8 cm, 6 cm], columns: 8, rows: 6}}
+tissue:
+  plane: strain
+  regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.3, density: 1 g/cm^3}}
+procedure: {file: "a b/procedure.yaml"}
+image: {file: a.png, origin: [1 cm, -2 mm], size: [3 cm, 0.1 m], seed: 3, attenuation: 7.25 1/m,
+        shadow: 0.3}
+expect: [{quantity: seeds.3.placement_error, max: 1 mm}]
+)";
+
 void collect(const Node& node,
              const Key& key,
              const std::string& path,
@@ -92,14 +103,15 @@ void collect(const Node& node,
 
 TEST(Writer, WritesEveryKeyOfTheSchema) {
   std::set<std::string> written;
-  for (const std::string& text : {everything, polygon_scene(), block_scene}) {
+  for (const std::string& text : {everything, polygon_scene(), block_scene, procedure_scene}) {
     collect(to_document(load_scene("s.yaml", text)), scene_codec().key, {}, written);
   }
   for (const SchemaRow& row : schema_rows()) EXPECT_TRUE(written.contains(row.path)) << row.path;
 }
 
 TEST(Writer, WhatItWritesLoadsToTheSameScene) {
-  for (const std::string& text : {everything, polygon_scene(), needle_scene, block_scene}) {
+  for (const std::string& text :
+       {everything, polygon_scene(), needle_scene, block_scene, procedure_scene}) {
     const std::string once = to_yaml(load_scene("s.yaml", text));
     const std::string twice = to_yaml(load_scene("s.yaml", once));
     EXPECT_EQ(once, twice);
