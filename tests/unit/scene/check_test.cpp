@@ -245,7 +245,7 @@ TEST(Check, ANeedleOfAHandIsCheckedLikeThatOfAScene) {
     check_needle(scene, needle);
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("needle 'mine': key 'needle.friction.slip_speed'"));
+    EXPECT_THAT(error.what(), HasSubstr("key 'needles.0.friction.slip_speed'"));
   }
   needle = scene.needles[0];
   needle.cutting.tip_length = -1;
