@@ -52,7 +52,8 @@ Codec<FrictionParameters> friction() {
        field("viscous_coefficient", &F::viscous_coefficient, number("N s/m^2", not_negative),
              "Per metre of shaft, what the force of sliding tissue grows by with its "
              "speed.")
-           .written_if([](const F& f) { return f.viscous_coefficient > 0; })});
+           .written_if([](const F& f) { return f.viscous_coefficient > 0; })
+           .otherwise("0 N s/m^2")});
 }
 
 struct ActionEntry {
