@@ -100,6 +100,15 @@ void Needle::start_step(const NeedleStep& step) {
            : step.speed() < 0 ? NeedlePhase::retracting
                               : NeedlePhase::holding;
   const CuttingLaw law = parameters_.cutting.law;
+  // One cut a step: a hand that goes further would leave its tip behind.
+  if (law == CuttingLaw::increment &&
+      step.to - step.from > 1.000001 * parameters_.cutting.increment) {
+    throw NumericalError("needle '" + parameters_.name + "' goes " +
+                         ten_digits(step.to - step.from) + " m in a step, but cuts " +
+                         ten_digits(parameters_.cutting.increment) +
+                         " m at most; take a larger cutting.increment, a smaller time.step, or a "
+                         "slower hand");
+  }
   double advance = 0;
   // A tip that keeps cutting will advance about as far as last time.
   const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 && searches();

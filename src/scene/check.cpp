@@ -260,16 +260,21 @@ class Rules {
   }
 
   void check_expect() const {
-    if (scene_.expect.empty() || scene_.procedure) return;
+    if (scene_.expect.empty()) return;
     const auto quantities = names_of(summary_quantities(scene_), &SummaryQuantity::path);
+    const Expectation open;
     for (std::size_t i = 0; i < scene_.expect.size(); ++i) {
       const Expectation& expect = scene_.expect[i];
       const std::string path = item("expect", i);
-      require(std::ranges::find(quantities, expect.quantity) != quantities.end(),
-              path + ".quantity",
-              "a number that a run of this scene has, such as '" +
-                  nearest(expect.quantity, quantities) + "'; all: " + join(quantities));
-      const Expectation open;
+      if (scene_.procedure) {  // its seeds are known in the run
+        require(unit_of_quantity(expect.quantity).has_value(), path + ".quantity",
+                "a number that a run has, such as seeds.0.world.0");
+      } else {
+        require(std::ranges::find(quantities, expect.quantity) != quantities.end(),
+                path + ".quantity",
+                "a number that a run of this scene has, such as '" +
+                    nearest(expect.quantity, quantities) + "'; all: " + join(quantities));
+      }
       require(expect.min != open.min || expect.max != open.max, path, "a min or a max, or both");
       require(expect.min <= expect.max, path + ".max", ">= min, which is " + exact(expect.min));
     }
@@ -279,10 +284,6 @@ class Rules {
     if (!scene_.procedure) return;
     require(scene_.needles.empty(), "needles",
             "none, because the needles of a recorded procedure are in procedure.file");
-    for (std::size_t i = 0; i < scene_.expect.size(); ++i) {  // its seeds are known in the run
-      require(unit_of_quantity(scene_.expect[i].quantity).has_value(),
-              item("expect", i) + ".quantity", "a number that a run has, such as seeds.0.world.0");
-    }
   }
 
   void check_image() const {

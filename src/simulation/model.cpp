@@ -101,6 +101,51 @@ std::string procedure_path(const Scene& scene) {
   return scene.procedure ? path_in(scene, scene.procedure->file) : std::string();
 }
 
+namespace {
+
+void check_targets(const Scene& scene) {
+  const auto& rows = scene.procedure->rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string& target = rows[i].target;
+    if (target.empty() ||
+        std::ranges::find(scene.targets, target, &Target::name) != scene.targets.end()) {
+      continue;
+    }
+    std::string names;
+    for (const Target& known : scene.targets) names += (names.empty() ? "" : ", ") + known.name;
+    refuse_key(scene, "procedure.file",
+               procedure_path(scene) + " leaves a seed for target '" + target + "'; allowed: " +
+                   (names.empty() ? "none, because the scene has no targets" : names));
+  }
+}
+
+// A procedure runs again in its own steps; longer ones have to be as many as those of a scene's needles.
+void check_recorded_steps(const Scene& scene, double step, int fewest) {
+  std::string needle;
+  double inserting = 0;  // s
+  double recorded = 0;   // s, longest step
+  const auto require_short = [&] {
+    const double longest = std::max(inserting / fewest, recorded);
+    if (inserting == 0 || step <= longest * (1 + 1e-9)) return;
+    throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
+                     " s are too long for needle '" + needle + "', which is pushed for " +
+                     ten_digits(inserting) + " s; allowed: at most " + ten_digits(longest) + " s");
+  };
+  for (const ProcedureRow& row : scene.procedure->rows) {
+    if (row.kind == ProcedureRow::Kind::enter) {
+      require_short();
+      needle = row.needle.name;
+      inserting = recorded = 0;
+    }
+    if (row.kind != ProcedureRow::Kind::move || !(row.speed > 0)) continue;
+    inserting += row.duration;
+    recorded = std::max(recorded, row.duration / std::max(1, row.steps));
+  }
+  require_short();
+}
+
+}  // namespace
+
 Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note) {
   if (!scene.procedure || !scene.procedure->rows.empty()) return scene;
   const std::string path = procedure_path(scene);
@@ -108,6 +153,7 @@ Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note) {
   if (scene.procedure->rows.empty()) {
     refuse_key(scene, "procedure.file", path + " has no rows; allowed: a recorded procedure");
   }
+  check_targets(scene);
   return scene;
 }
 
@@ -186,6 +232,7 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
                      " s; allowed: at most 1e12 steps");
   };
   require_countable(scene.time.duration, "time.duration");
+  if (scene.procedure) check_recorded_steps(scene, step, fewest);
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
     const auto travels = travels_of(needle.motion, Axis::along_sign);

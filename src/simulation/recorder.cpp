@@ -1,5 +1,6 @@
 #include "stylet/simulation/recorder.hpp"
 
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
@@ -361,7 +362,10 @@ ordered_json summarise(MPI_Comm comm,
   if (const auto& mesh = simulation.numbered().file_fingerprint; !mesh.empty()) {
     summary["fingerprints"]["mesh"] = mesh;
   }
-  if (const std::string path = procedure_path(scene); !path.empty()) {
+  if (scene.procedure) {
+    std::string rows;
+    for (const ProcedureRow& row : scene.procedure->rows) rows += to_line(row);
+    summary["fingerprints"]["procedure"] = fingerprint(rows);
     summary["score"] = json_of(score_of(simulation));
   }
   summary["solver"] = simulation.body().solver();

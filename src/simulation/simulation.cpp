@@ -241,6 +241,10 @@ std::vector<double> Simulation::region_modulus() const {
 
 void Simulation::implant(const std::string& target) {
   if (!needle_) throw NumericalError(why_no_seed());
+  if (!target.empty() &&
+      std::ranges::find(scene_.targets, target, &Target::name) == scene_.targets.end()) {
+    throw InputError("a seed for target '" + target + "', which the scene does not have");
+  }
   const bool only = target.empty() && scene_.targets.size() == 1;
   seeds_.push_back(
       leave_seed(body_, *needle_, only ? scene_.targets[0].name : target, largest_tip_force_));

@@ -69,10 +69,12 @@ void LiveRun::change(const std::string& key, double value) {
   notice_.clear();
   const bool of_needle = key.starts_with("needle.");
   try {
+    auto models = models_;  // all of them change, or none
     if (of_needle) {
-      for (auto& model : models_) stylet::change(simulation_->scene(), model, key, value);
+      for (auto& model : models) stylet::change(simulation_->scene(), model, key, value);
     }
     if (!of_needle || has_entered_) record(Change{key, value});
+    models_ = std::move(models);
   } catch (const InputError& error) {
     tell(error.what());
     return;

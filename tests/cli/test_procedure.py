@@ -5,7 +5,7 @@ import struct
 import unittest
 import zlib
 
-from stylet_cli import DONE, NEEDLE_SCENE, SOURCE, CliTest, call, on_ranks
+from stylet_cli import DONE, NEEDLE_SCENE, NUMERICAL, SOURCE, CliTest, call, on_ranks
 
 ROWS = """\
 - {move: {speed: 0 m/s, duration: 0.05 s, steps: 5}}
@@ -71,6 +71,30 @@ class Procedure(CliTest):
         outcome = self.run_to("torn")
         self.assertIn("note: ", outcome.out)
         self.assertIn("rows.yaml: its last row", outcome.out)
+
+    def test_what_a_scene_with_needles_may_not_a_procedure_may_not(self):
+        outcome = self.stylet("run", "scene.yaml", "--set", "time.step=2 s")
+        self.assert_refused(outcome, "'time.step'", "too long for needle", "pushed for 1.8 s",
+                            "allowed: at most 0.45")
+        outcome = self.stylet("run", "scene.yaml", "--set", "expect=[{quantity: peak_needle_force}]")
+        self.assert_refused(outcome, "'expect.0'", "a min or a max")
+        self.write("rows.yaml", ROWS.replace("target: seed", "target: sede"))
+        self.assert_refused(self.stylet("run", "scene.yaml"), "target 'sede'", "allowed: seed")
+
+    def test_a_hand_that_outruns_its_increments_is_stopped(self):
+        self.write("rows.yaml", ROWS.replace("tip_length: 6 mm",
+                                             "tip_length: 6 mm, law: increment, increment: 0.1 mm"))
+        outcome = self.stylet("run", "scene.yaml", "--force")
+        self.assert_code(outcome, NUMERICAL)
+        self.assertIn("cuts 0.0001 m at most", outcome.err)
+
+    def test_notes_and_fingerprints_are_those_of_its_rows(self):
+        self.run_to("one")
+        self.write("rows.yaml", ROWS.replace("tip_length: 6 mm", "tip_length: 0 mm"))
+        self.run_to("two")
+        self.assertIn("has a point tip", " ".join(self.summary("two")["notes"]))
+        self.assertNotEqual(self.summary("one")["fingerprints"]["procedure"],
+                            self.summary("two")["fingerprints"]["procedure"])
 
     def test_refusals(self):
         def refuse(*parts, verb=("run",), scene=None, rows=ROWS):
