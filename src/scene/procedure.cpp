@@ -80,6 +80,12 @@ std::vector<ProcedureRow> read_procedure(const std::string& file_name,
     }
     rows.resize(remaining);
   }
+  int n_entered = 0;
+  for (Row& row : rows) {
+    if (row.kind != Row::Kind::enter) continue;
+    ++n_entered;
+    if (row.needle.name.empty()) row.needle.name = "needle" + std::to_string(n_entered);
+  }
   return rows;
 }
 

@@ -119,32 +119,19 @@ void check_targets(const Scene& scene) {
   }
 }
 
-// A procedure runs again in its own steps; longer ones have to be as many as those of a scene's needles.
-void check_recorded_steps(const Scene& scene, double step, int fewest) {
-  std::string needle;
-  double inserting = 0;  // s
-  double recorded = 0;   // s, longest step
-  const auto require_short = [&] {
-    const double longest = std::max(inserting / fewest, recorded);
-    if (inserting == 0 || step <= longest * (1 + 1e-9)) return;
-    throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
-                     " s are too long for needle '" + needle + "', which is pushed for " +
-                     ten_digits(inserting) + " s; allowed: at most " + ten_digits(longest) + " s");
-  };
-  for (const ProcedureRow& row : scene.procedure->rows) {
-    if (row.kind == ProcedureRow::Kind::enter) {
-      require_short();
-      needle = row.needle.name;
-      inserting = recorded = 0;
-    }
-    if (row.kind != ProcedureRow::Kind::move || !(row.speed > 0)) continue;
-    inserting += row.duration;
-    recorded = std::max(recorded, row.duration / std::max(1, row.steps));
-  }
-  require_short();
-}
-
 }  // namespace
+
+std::vector<Pushing> pushings_of(const Scene& scene) {
+  std::vector<Pushing> pushings;
+  if (!scene.procedure) return pushings;
+  for (const ProcedureRow& row : scene.procedure->rows) {
+    if (row.kind == ProcedureRow::Kind::enter) pushings.push_back({row.needle.name});
+    if (row.kind != ProcedureRow::Kind::move || !(row.speed > 0) || pushings.empty()) continue;
+    pushings.back().duration += row.duration;
+    pushings.back().shortest = std::min(pushings.back().shortest, row.duration);
+  }
+  return pushings;
+}
 
 Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note) {
   if (!scene.procedure || !scene.procedure->rows.empty()) return scene;
@@ -221,9 +208,6 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
 }
 
 void check_step(const Scene& scene, const Mesh& mesh, double step) {
-  // The reference scene's placement error moves by 0.2 % from 450 steps of insertion to 5, by 2 %
-  // to 1.
-  constexpr int fewest = 4;
   const auto require_countable = [&](double duration, const std::string& what) {
     constexpr double most = 1e12;  // far beyond any patience, and time still moves in each of them
     if (duration / step <= most) return;
@@ -232,7 +216,24 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
                      " s; allowed: at most 1e12 steps");
   };
   require_countable(scene.time.duration, "time.duration");
-  if (scene.procedure) check_recorded_steps(scene, step, fewest);
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) {
+      require_countable(row.duration, "a row of " + procedure_path(scene));
+      // A step that time.step does not know: its h^2 may vanish.
+      if (row.kind != ProcedureRow::Kind::move || row.duration >= 1e-9 * step) continue;
+      throw InputError(procedure_path(scene) + ": a row of " + ten_digits(row.duration) +
+                       " s; allowed: at least 1e-9 of time.step, which is " + ten_digits(step) +
+                       " s");
+    }
+    for (const Pushing& pushing : pushings_of(scene)) {
+      const double longest = std::max(pushing.duration / fewest_steps, pushing.shortest);
+      if (pushing.duration == 0 || step <= longest * (1 + 1e-9)) continue;
+      throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
+                       " s are too long for needle '" + pushing.needle + "', which is pushed for " +
+                       ten_digits(pushing.duration) + " s, " + ten_digits(pushing.shortest) +
+                       " s at least at one speed; allowed: at most " + ten_digits(longest) + " s");
+    }
+  }
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
     const auto travels = travels_of(needle.motion, Axis::along_sign);
@@ -246,7 +247,7 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
       if (action.kind == ActionKind::insert) inserting += moving;
     }
     if (inserting == 0) continue;
-    const double longest = inserting / fewest;
+    const double longest = inserting / fewest_steps;
     if (step <= longest * (1 + 1e-9)) continue;
     throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
                      " s are too long for needle '" + needle.name + "', which is inserted in " +

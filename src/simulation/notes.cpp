@@ -76,6 +76,18 @@ void note_point_tips(const Simulation& simulation, std::vector<std::string>& not
   }
 }
 
+/// Hands may be as short as a step; scenes with needles are refused where that is so.
+void note_few_steps(const Simulation& simulation, std::vector<std::string>& notes) {
+  const Scene& scene = simulation.scene();
+  for (const Pushing& pushing : pushings_of(scene)) {
+    if (pushing.duration == 0) continue;
+    if (scene.time.step <= pushing.duration / fewest_steps * (1 + 1e-9)) continue;
+    notes.push_back("needle '" + pushing.needle + "' is pushed in " + brief(pushing.duration) +
+                    " s, fewer than four steps of time.step, " + brief(scene.time.step) +
+                    " s: its answer depends on them");
+  }
+}
+
 // Measured on one mesh with increments of 0.02 to 2 mm and steps of 0.5 to 20 ms: 3.5 to 5.5 mm, where
 // the consistent law gives 5.2.
 void note_increments(const Simulation& simulation, std::vector<std::string>& notes) {
@@ -215,6 +227,7 @@ std::vector<std::string> notes_of(const Simulation& simulation) {
   note_locking(simulation.scene(), notes);
   note_point_tips(simulation, notes);
   note_increments(simulation, notes);
+  note_few_steps(simulation, notes);
   note_late(simulation, notes);
   note_cuts(simulation, notes);
   note_excess(simulation, notes);

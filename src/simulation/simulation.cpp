@@ -169,6 +169,10 @@ void Simulation::act_without_time() {
     if (wish.kind == Wish::Kind::step) return;
     try {
       fulfil(wish);
+    } catch (const InputError& error) {
+      hand_->refused();
+      if (!scene_.procedure) throw;
+      throw InputError(procedure_path(scene_) + ": " + error.what());
     } catch (const Error&) {
       hand_->refused();
       throw;

@@ -74,8 +74,13 @@ class Procedure(CliTest):
 
     def test_what_a_scene_with_needles_may_not_a_procedure_may_not(self):
         outcome = self.stylet("run", "scene.yaml", "--set", "time.step=2 s")
-        self.assert_refused(outcome, "'time.step'", "too long for needle", "pushed for 1.8 s",
-                            "allowed: at most 0.45")
+        self.assert_refused(outcome, "'time.step'", "too long for needle 'needle1'",
+                            "pushed for 1.8 s", "allowed: at most 0.8 s")
+        for duration, parts in (("1e-200 s", ["a row of 1e-200 s", "1e-9 of time.step"]),
+                                ("1e300 s", ["'time.step'", "at most 1e12 steps"])):
+            self.write("rows.yaml", ROWS.replace("duration: 0.8 s", f"duration: {duration}"))
+            self.assert_refused(self.stylet("run", "scene.yaml"), *parts)
+        self.write("rows.yaml", ROWS)
         outcome = self.stylet("run", "scene.yaml", "--set", "expect=[{quantity: peak_needle_force}]")
         self.assert_refused(outcome, "'expect.0'", "a min or a max")
         self.write("rows.yaml", ROWS.replace("target: seed", "target: sede"))
@@ -88,6 +93,10 @@ class Procedure(CliTest):
         self.assert_code(outcome, NUMERICAL)
         self.assertIn("cuts 0.0001 m at most", outcome.err)
 
+    def test_a_push_of_few_steps_has_a_note(self):
+        self.run_to("few", "scene.yaml", "--set", "time.step=0.7 s")
+        self.assertIn("fewer than four steps", " ".join(self.summary("few")["notes"]))
+
     def test_notes_and_fingerprints_are_those_of_its_rows(self):
         self.run_to("one")
         self.write("rows.yaml", ROWS.replace("tip_length: 6 mm", "tip_length: 0 mm"))
@@ -95,6 +104,11 @@ class Procedure(CliTest):
         self.assertIn("has a point tip", " ".join(self.summary("two")["notes"]))
         self.assertNotEqual(self.summary("one")["fingerprints"]["procedure"],
                             self.summary("two")["fingerprints"]["procedure"])
+
+    def test_rows_that_cannot_be_done_name_their_file(self):
+        self.write("rows.yaml", ROWS.replace("key: tissue.regions.gland.youngs_modulus",
+                                             "key: tissue.thickness"))
+        self.assert_refused(self.stylet("run", "scene.yaml"), "rows.yaml: key 'tissue.thickness'")
 
     def test_refusals(self):
         def refuse(*parts, verb=("run",), scene=None, rows=ROWS):

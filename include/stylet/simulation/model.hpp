@@ -8,6 +8,7 @@
 #include "stylet/solvers/constraint_set.hpp"
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,6 +32,17 @@ struct NumberedMesh {
 
 /// The same of its recorded procedure; empty if there is none.
 [[nodiscard]] std::string procedure_path(const Scene& scene);
+
+/// How long a needle of a recorded procedure is pushed (s).
+struct Pushing {
+  std::string needle;
+  double duration = 0;
+  double shortest = std::numeric_limits<double>::infinity();  ///< row: a step ends there
+};
+[[nodiscard]] std::vector<Pushing> pushings_of(const Scene& scene);
+
+/// Of an insertion. The reference scene's placement error moves by 0.2 % from 450 steps to 5, by 2 % to 1.
+constexpr int fewest_steps = 4;
 
 /// Collective. The scene with the rows of its procedure, unless it has them; note: as read_procedure.
 [[nodiscard]] Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note);
