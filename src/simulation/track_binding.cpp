@@ -5,8 +5,7 @@
 namespace stylet {
 
 Coordinate find_coordinate(const TrackOperator& track, TrackPlace place, int n_dofs) {
-  const SparseRow row = track.row(place);
-  if (row.size() == 1) return {row[0].dof, row[0].value};
+  if (const auto one = track.dof(place)) return {one->dof, one->value};
   return {coordinate_of(n_dofs, place), 1};
 }
 

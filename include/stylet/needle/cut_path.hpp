@@ -94,8 +94,9 @@ class CutPath final : public TrackOperator {
   [[nodiscard]] std::vector<double> shaft_lengths() const;
   /// Points that the needle may load, apart from those of before.
   [[nodiscard]] std::vector<int> loaded_points() const;
-  /// Of a node: its dof.
-  [[nodiscard]] SparseRow row(TrackPlace place) const override;
+  [[nodiscard]] SparseRow row(TrackPlace place) const override { return {*dof(place)}; }
+  /// Of a node.
+  [[nodiscard]] std::optional<DofValue> dof(TrackPlace place) const override;
   /// Nodes whose state at the start of a step `plan` needs; ascending.
   [[nodiscard]] std::vector<int> watched() const;
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }
