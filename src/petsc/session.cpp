@@ -60,6 +60,11 @@ std::vector<int> ignored_signals() {
   return ignored;
 }
 
+int& most_on_a_machine() {
+  static int n = 1;
+  return n;
+}
+
 std::vector<std::string>& given_options() {
   static std::vector<std::string> options;
   return options;
@@ -106,6 +111,11 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_ARE_FATAL);
   for (const int signal : ignored) std::signal(signal, SIG_IGN);  // PETSc has forgotten it
   use_in_this_thread();
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  most_on_a_machine() = size_of(machine);
+  MPI_Comm_free(&machine);
+  MPI_Allreduce(MPI_IN_PLACE, &most_on_a_machine(), 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is a failed write, not an end
 }
 
@@ -113,6 +123,10 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
 // longer for it.
 void use_in_this_thread() {
   omp_set_max_active_levels(0);
+}
+
+int ranks_on_a_machine() {
+  return most_on_a_machine();
 }
 
 Session::~Session() {

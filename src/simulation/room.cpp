@@ -12,16 +12,6 @@ namespace stylet {
 
 namespace {
 
-/// Of this communicator, on the machine where most of them are.
-int ranks_on_a_machine(MPI_Comm comm) {
-  MPI_Comm here = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-  int n = size_of(here);
-  MPI_Comm_free(&here);
-  MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_INT, MPI_MAX, comm);
-  return n;
-}
-
 double least_memory(MPI_Comm comm) {
   double bytes = memory_here();
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
@@ -39,7 +29,7 @@ double bytes_needed(const TimeParameters& time, double n_triangles) {
 }
 
 Room room_for(MPI_Comm comm, const TimeParameters& time, double n_triangles, int refine) {
-  const int ranks = ranks_on_a_machine(comm);
+  const int ranks = ranks_on_a_machine();
   const double there = least_memory(comm);
   const auto needed = [&](int times) {
     return ranks * bytes_needed(time, n_triangles * std::pow(4.0, times));

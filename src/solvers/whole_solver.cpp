@@ -59,12 +59,9 @@ void widen_smoother(PC pc) {
 }
 
 SolverKind kind_for(MPI_Comm comm, PetscInt n_dofs) {
-  MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
   const double memory =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  int kind = static_cast<int>(solver_for(n_dofs, size_of(comm), size_of(machine), memory));
-  MPI_Comm_free(&machine);
+  int kind = static_cast<int>(solver_for(n_dofs, size_of(comm), ranks_on_a_machine(), memory));
   // The machine with the least room decides.
   MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm);
   return static_cast<SolverKind>(kind);

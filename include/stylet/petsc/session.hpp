@@ -30,6 +30,9 @@ void use_in_this_thread();
 
 [[nodiscard]] int rank_of(MPI_Comm comm);
 [[nodiscard]] int size_of(MPI_Comm comm);
+/// Of the session, where most stand on one machine: they share its memory, also where groups of them
+/// run apart. Not collective.
+[[nodiscard]] int ranks_on_a_machine();
 
 /// Ends all ranks at once with this exit code.
 [[noreturn]] void abort_job(int exit_code);
