@@ -15,6 +15,8 @@ struct CellStress {
 };
 
 /// cell: of the simulation's mesh; u: displacements of all dofs (m).
-[[nodiscard]] CellStress stress_in(const Simulation& simulation, int cell, std::span<const double> u);
+[[nodiscard]] CellStress stress_in(const Simulation& simulation,
+                                   int cell,
+                                   std::span<const double> u);
 
 }  // namespace stylet

@@ -25,7 +25,8 @@ struct Room {
                             double n_triangles,
                             int refine);
 
-/// Collective. Throws InputError where the scene's mesh, of so many triangles before it is refined, does not fit.
+/// Collective. Throws InputError where the scene's mesh, of so many triangles before it is refined, does
+/// not fit.
 void require_room(MPI_Comm comm, const Scene& scene, double n_triangles);
 
 }  // namespace stylet

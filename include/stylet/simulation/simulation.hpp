@@ -43,10 +43,10 @@ struct RunCounts {
 
 class Simulation {
  public:
-  /// Collective. Throws InputError where the scene is not valid, or scene and mesh do not fit. A scene with a
-  /// `document` has been checked by load_scene; who changes it in code calls `check`. track_energy: weighed after every
-  /// step, for the history. hand: none for the schedule of the scene; its needles enter at places of
-  /// the turned scene (`rotation`).
+  /// Collective. Throws InputError where the scene is not valid, or scene and mesh do not fit. A scene with
+  /// a `document` has been checked by load_scene; who changes it in code calls `check`. track_energy:
+  /// weighed after every step, for the history. hand: none for the schedule of the scene; its needles
+  /// enter at places of the turned scene (`rotation`).
   Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand = nullptr);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;

@@ -8,9 +8,10 @@
 //   (S + E) q = S B y + f,   y = A0^-1 b,   x = y + A0^-1 B^T S (q - B y)
 //
 // f: forces on near coordinates, changes of b after `load`, what given ones and the mean condition
-// need, and springs, which are solved for with q as a diagonal beside S + E. So a step costs one solve before its trials and one after them; a trial is dense
-// algebra. The near field only grows, by solves for columns of W, until it is worth factoring anew.
-// All ranks hold the dense matrices; what they decide on is what rank 0 makes of them.
+// need, and springs, which are solved for with q as a diagonal beside S + E. So a step costs one solve
+// before its trials and one after them; a trial is dense algebra. The near field only grows, by solves
+// for columns of W, until it is worth factoring anew. All ranks hold the dense matrices; what they decide
+// on is what rank 0 makes of them.
 #pragma once
 
 #include "stylet/solvers/constraint_set.hpp"
