@@ -5,6 +5,7 @@
 #include "stylet/view/publish.hpp"
 
 #include "support/scenes.hpp"
+#include "view/reference.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,13 +16,9 @@ namespace stylet {
 namespace {
 
 LiveOptions reference(const std::vector<std::string>& overrides = {}) {
-  const std::string file = STYLET_SOURCE_DIR "/input/prostate.yaml";
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
   std::vector<std::string> all{"time.step=10 ms"};
   all.insert(all.end(), overrides.begin(), overrides.end());
-  return {{file, text.str(), all}};
+  return reference_options(all);
 }
 
 /// Until the tip stands there (m, as the scene's position), at the speed of the scene's own hand.

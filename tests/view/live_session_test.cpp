@@ -2,25 +2,20 @@
 
 #include "stylet/base/errors.hpp"
 
+#include "view/reference.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 namespace stylet {
 namespace {
 
 LiveOptions reference(const std::vector<std::string>& overrides = {}) {
-  const std::string file = STYLET_SOURCE_DIR "/input/prostate.yaml";
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
   std::vector<std::string> all{"time.method=quasi_static"};
   all.insert(all.end(), overrides.begin(), overrides.end());
-  return {{file, text.str(), all}};
+  return reference_options(all);
 }
 
 /// Takes frames until one is so; none after a minute, however slow the machine.
