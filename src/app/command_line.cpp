@@ -11,6 +11,9 @@ const char* const examples = R"(  stylet run input/prostate.yaml
   mpirun -n 2 stylet run input/prostate.yaml --output out/deeper --force \
       --set needles.0.motion.0.position="2.85 cm"
   stylet run input/prostate.yaml --set time.until=implanted --set mesh.refine=1
+  stylet run input/prostate.yaml --set output.checkpoint.steps=100
+  stylet run input/prostate.yaml --resume
+  stylet inspect out/prostate/checkpoints/00000100.h5
   stylet check input/prostate.yaml
   stylet check scene.yaml --set 'tissue.regions."lobe.left".youngs_modulus=80 kPa'
   stylet modes 6 input/prostate.yaml
@@ -62,6 +65,7 @@ class Verbs {
     app_.set_version_flag("--version", std::string("stylet ") + STYLET_VERSION);
     run();
     check();
+    inspect();
     modes();
     stability();
     converge();
@@ -104,6 +108,14 @@ class Verbs {
     CLI::App* verb = app_.add_subcommand("run", "simulate a scene");
     takes_scene(verb);
     writes(verb, asked_.run, "out/<scene>");
+    verb->add_flag("--resume", asked_.run.resume,
+                   "go on from the newest checkpoint in the folder, on any number of ranks");
+    verb->add_option_function<std::string>(
+        "--until",
+        [&until = asked_.run.until](const std::string& text) {
+          until = in_unit("--until", text, "s");
+        },
+        "run a part: end at that time of the scene, such as '0.5 s', with a checkpoint");
     verb->add_option_function<std::string>(
         "--accuracy",
         [&accuracy = asked_.accuracy](const std::string& text) {
@@ -116,6 +128,14 @@ class Verbs {
 
   void check() {
     takes_scene(app_.add_subcommand("check", "validate a scene and its mesh, run nothing"));
+  }
+
+  void inspect() {
+    CLI::App* verb = app_.add_subcommand("inspect", "say what a checkpoint of a run holds");
+    verb->add_option("checkpoint", asked_.checkpoint, "file in checkpoints/ of a run")->required();
+    verb->add_option("--snapshot", asked_.snapshot,
+                     "a new folder for what it holds as a snapshot, for ParaView");
+    verb->footer(footer());
   }
 
   void modes() {

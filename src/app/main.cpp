@@ -92,6 +92,7 @@ int program(std::vector<std::string> arguments, const std::string& bad_options) 
   const std::string verb = app.get_subcommands().front()->get_name();
   if (verb == "run") return run_verb(asked.scene, asked.run, asked.accuracy);
   if (verb == "check") return check_verb(asked.scene);
+  if (verb == "inspect") return inspect_verb(asked.checkpoint, asked.snapshot);
   if (verb == "modes") return modes_verb(asked.scene, asked.n_modes);
   if (verb == "stability") return stability_verb(asked.scene, asked.stability);
   if (verb == "converge") return converge_verb(asked.scene, asked.converge);

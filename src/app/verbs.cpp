@@ -9,6 +9,7 @@
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/scene/schema.hpp"
+#include "stylet/simulation/inspect.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
 #include "stylet/simulation/picture.hpp"
@@ -74,6 +75,12 @@ int check_verb(const SceneArguments& arguments) {
                 overview(simulation, size_of(MPI_COMM_WORLD)).c_str());
     for (const auto& note : notes_of(simulation)) std::printf("note: %s\n", note.c_str());
   }
+  return static_cast<int>(ExitCode::done);
+}
+
+int inspect_verb(const std::string& checkpoint, const std::string& snapshot) {
+  const std::string text = inspect(MPI_COMM_WORLD, checkpoint, snapshot);
+  if (prints()) std::fputs(text.c_str(), stdout);
   return static_cast<int>(ExitCode::done);
 }
 

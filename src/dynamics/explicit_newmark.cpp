@@ -39,15 +39,6 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     node_mass_.push_back(masses[dof]);
   }
   make_room();
-  const double undamped = safety_ * stylet::stable_step(bound_.value(), 0);
-  constexpr double hopeless = 0.02;
-  if (stable_step() < hopeless * undamped) {
-    throw InputError("key 'tissue.damping.stiffness_factor': " + exact(damping_.stiffness_factor) +
-                     " s would cut the stable explicit step to " + exact(stable_step()) +
-                     " s, from " + exact(undamped) +
-                     " s without it; damp explicit scenes by tissue.damping.mass_factor, or take "
-                     "time.method implicit");
-  }
   register_central_difference();
   check(TSCreate(tissue.comm(), ts_.put()));
   check(TSSetType(ts_.get(), central_difference_type));
@@ -57,6 +48,17 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
   set_step(ts_.get(), [this](double h, Vec u, Vec v) { advance(h, u, v); });
   check_options(TSSetFromOptions(ts_.get()));
   check_options(TSViewFromOptions(ts_.get(), nullptr, "-ts_view"));
+}
+
+void ExplicitNewmark::require_bearable_damping() const {
+  const double undamped = safety_ * stylet::stable_step(bound_.value(), 0);
+  constexpr double hopeless = 0.02;
+  if (stable_step() >= hopeless * undamped) return;
+  throw InputError("key 'tissue.damping.stiffness_factor': " + exact(damping_.stiffness_factor) +
+                   " s would cut the stable explicit step to " + exact(stable_step()) +
+                   " s, from " + exact(undamped) +
+                   " s without it; damp explicit scenes by tissue.damping.mass_factor, or take "
+                   "time.method implicit");
 }
 
 // With the kernel's ghosts.

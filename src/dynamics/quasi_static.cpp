@@ -5,7 +5,6 @@
 #include "stylet/petsc/entries.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 
 namespace stylet {
 
@@ -42,15 +41,23 @@ void QuasiStatic::begin(State& state, Vec load, double h, std::span<const Prescr
   load_tissue();
 }
 
-// The forces of the last trial stay known by making their dofs near again.
-void QuasiStatic::factor() {
-  complete();
-  std::unordered_map<int, double> force;
+// Of the last trial, by forced dof.
+std::vector<double> QuasiStatic::forces() const {
+  if (!loaded_forces_.empty()) return loaded_forces_;
+  std::vector<double> forces;
   const auto changed = near_.changed_forces(accepted_);
   for (const int dof : forced_) {
     const std::size_t at = near_.at(dof);
-    force[dof] = pushed_[at] + changed[at];
+    forces.push_back(pushed_[at] + changed[at]);
   }
+  return forces;
+}
+
+// Those forces stay known by making their dofs near again.
+void QuasiStatic::factor() {
+  complete();
+  const std::vector<double> kept = forces();
+  loaded_forces_.clear();
   near_.factor(tissue_.stiffness(), held_);
   edited_.clear();
   start_.clear();
@@ -58,7 +65,7 @@ void QuasiStatic::factor() {
   pushed_.clear();
   last_pushed_.clear();
   make_near(forced_);
-  for (const int dof : forced_) pushed_[near_.at(dof)] = force[dof];
+  for (std::size_t i = 0; i < forced_.size(); ++i) pushed_[near_.at(forced_[i])] = kept[i];
   fresh_ = true;
 }
 

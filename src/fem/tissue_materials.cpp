@@ -71,4 +71,20 @@ void TissueOperator::change(const Mesh& mesh, const TissueParameters& parameters
   fill_all(mesh);
 }
 
+void TissueOperator::renew(const Mesh& mesh,
+                           const TissueParameters& parameters,
+                           std::span<const int> rewritten,
+                           std::function<bool(int)> needs_flips) {
+  parameters_ = parameters;
+  needs_flips_ = std::move(needs_flips);
+  take_materials(mesh);
+  mixed_.clear();
+  rewritten_.clear();
+  remix(mesh, rewritten);
+  columns_of_.reset();
+  tangent_ = {};
+  tangent_combination_ = {};
+  make_pattern(mesh);
+}
+
 }  // namespace stylet

@@ -84,6 +84,13 @@ void Motion::taken(const NeedleStep& step, bool awaited) {
   go_on(awaited);
 }
 
+void Motion::change_end(double before) {
+  if (finished()) elapsed_ = before;
+  at_ = 0;
+  h_ = 0;
+  left_ = 0;
+}
+
 void Motion::implanted() {
   ++at_;
   go_on(false);

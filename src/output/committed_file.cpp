@@ -4,6 +4,7 @@
 #include "stylet/output/text_file.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
 #include <fcntl.h>
 #include <unistd.h>
@@ -86,15 +87,50 @@ void CommittedFile::commit() {
   pending_.clear();
 }
 
-void CommittedFile::link_as_root(hid_t twin) const {
+std::vector<std::string> CommittedFile::names() const {
   H5G_info_t info{};
   check_hdf5(H5Gget_info(root_.get(), &info), path_);
+  std::vector<std::string> names;
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     char name[64] = "";
     check_hdf5(static_cast<herr_t>(H5Lget_name_by_idx(root_.get(), ".", H5_INDEX_NAME, H5_ITER_INC,
                                                       i, name, sizeof name, H5P_DEFAULT)),
                path_);
-    check_hdf5(H5Lcreate_hard(root_.get(), name, twin, name, H5P_DEFAULT, H5P_DEFAULT), path_);
+    names.emplace_back(name);
+  }
+  return names;
+}
+
+Hdf5Id CommittedFile::open(const std::string& path) const {
+  return {H5Oopen(root_.get(), path.c_str(), H5P_DEFAULT), H5Oclose, path_ + ": " + path};
+}
+
+void CommittedFile::remove(std::span<const std::string> names) {
+  unlink(twin_.get(), names);
+  flush();
+  name_root(twin_.get());
+  unlink(root_.get(), names);
+  flush();
+  name_root(root_.get());
+}
+
+void CommittedFile::sync() const {
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) {
+    throw_io_error(path_, "cannot be written");
+  }
+}
+
+void CommittedFile::link_as_root(hid_t twin) const {
+  for (const std::string& name : names()) {
+    check_hdf5(
+        H5Lcreate_hard(root_.get(), name.c_str(), twin, name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        path_);
+  }
+}
+
+void CommittedFile::unlink(hid_t root, std::span<const std::string> names) const {
+  for (const std::string& name : names) {
+    check_hdf5(H5Ldelete(root, name.c_str(), H5P_DEFAULT), path_);
   }
 }
 

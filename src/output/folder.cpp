@@ -159,6 +159,20 @@ void OutputFolder::prepare(Earlier earlier) {
   }
 }
 
+void OutputFolder::add(const std::string& name) {
+  on_first(comm_, path_, [&] {
+    const std::string path = path_ + "/" + name.substr(0, name.size() - 1);
+    if (fs::exists(fs::symlink_status(path)) && !manifest_->owns(name)) {
+      throw InputError(path +
+                       ": this program did not write it; nothing is replaced; move it away, or use "
+                       "another folder with --output");
+    }
+    manifest_->open({&name, 1});
+    fs::create_directories(path);
+    remove_drafts(path);
+  });
+}
+
 void OutputFolder::remove_own() {
   const auto names = manifest_->names();
   for (const auto& name : names) {

@@ -101,6 +101,13 @@ void set_attribute(hid_t object, const std::string& name, unsigned long long val
   set_number(object, name, H5T_NATIVE_ULLONG, value);
 }
 
+double number_attribute(hid_t object, const std::string& name) {
+  const Hdf5Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, name);
+  double value = 0;
+  check_hdf5(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, &value), name);
+  return value;
+}
+
 Hdf5Id write_array(hid_t parent,
                    const std::string& name,
                    const std::string& unit,

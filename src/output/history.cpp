@@ -1,10 +1,14 @@
 #include "stylet/output/history.hpp"
 
+#include "stylet/base/errors.hpp"
 #include "stylet/output/csv.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 
+#include <algorithm>
 #include <exception>
+#include <fstream>
+#include <unistd.h>
 
 namespace stylet {
 
@@ -16,16 +20,45 @@ std::string title_of(const Column& column) {
   return column.unit.empty() ? column.name : column.name + " [" + column.unit + "]";
 }
 
+/// Cuts the file behind its first `kept` bytes, which are this header and whole rows.
+void cut_behind(const std::string& path, const std::string& header, std::uint64_t kept) {
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(header.size(), '\0');
+  char last = '\0';
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  file.seekg(static_cast<std::streamoff>(kept) - 1);
+  file.get(last);
+  if (!file || begin != header || last != '\n') {
+    throw InputError(
+        path +
+        ": is not the history that the checkpoint goes on with: it was replaced or cut "
+        "short; put it back, or begin anew with --force");
+  }
+  if (::truncate(path.c_str(), static_cast<off_t>(kept)) != 0) {
+    throw_io_error(path, "cannot be cut behind the rows of the checkpoint");
+  }
+}
+
 }  // namespace
 
-HistoryWriter::HistoryWriter(MPI_Comm comm, const std::string& path, std::vector<Column> columns)
+HistoryWriter::HistoryWriter(MPI_Comm comm,
+                             const std::string& path,
+                             std::vector<Column> columns,
+                             std::uint64_t kept)
     : comm_(comm), n_columns_(columns.size()), handed_over_(std::chrono::steady_clock::now()) {
   agree_after(comm, [&] {
     if (rank_of(comm) != 0) return;
     std::vector<std::string> titles;
     for (const Column& column : columns) titles.push_back(title_of(column));
+    const std::string header = csv_line(titles);
+    n_bytes_ = std::max<std::uint64_t>(kept, header.size());
+    if (kept > 0) {
+      cut_behind(path, header, kept);
+      file_.emplace(path, TextFile::Open::append);
+      return;
+    }
     file_.emplace(path);
-    file_->write(csv_line(titles));
+    file_->write(header);
     file_->appear();
   });
 }
@@ -51,6 +84,7 @@ void HistoryWriter::hand_over() noexcept {
   if (!file_ || failure_ || buffer_.empty()) return;
   try {
     file_->write(buffer_);
+    n_bytes_ += buffer_.size();
   } catch (const std::exception& error) {
     failure_ = error.what();
   }
@@ -65,12 +99,18 @@ void HistoryWriter::flush() {
   });
 }
 
-void HistoryWriter::close() {
-  hand_over();
+std::uint64_t HistoryWriter::settle() {
+  flush();
   agree_after(comm_, [&] {
-    if (failure_) throw IoError(*failure_);
+    if (file_) file_->sync();
+  });
+  return n_bytes_;
+}
+
+void HistoryWriter::close() {
+  settle();
+  agree_after(comm_, [&] {
     if (!file_) return;
-    file_->sync();
     file_->close();
     file_.reset();
   });

@@ -18,13 +18,14 @@ namespace {
 
 constexpr std::size_t largest_end = 256 * 1024;  // bytes; as in jobs/own_files.py
 
-/// 00012.yaml, frame_0012.png.
+/// 00012.yaml, 00012.h5, frame_0012.png.
 bool is_numbered(std::string name) {
   if (name.starts_with("frame_")) name.erase(0, 6);
   const auto digits =
       std::ranges::find_if_not(name, [](unsigned char c) { return std::isdigit(c); });
   const std::string end(digits, name.end());
-  return digits - name.begin() >= 4 && (end == ".yaml" || end == ".cbor" || end == ".png");
+  return digits - name.begin() >= 4 &&
+         (end == ".yaml" || end == ".cbor" || end == ".png" || end == ".h5");
 }
 
 /// summary.json, scenes/, frames/overview.png: nothing that leads out of the folder.

@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/output/committed_file.hpp"
 #include "stylet/output/disk_space.hpp"
+#include "stylet/output/snapshot_place.hpp"
 #include "stylet/output/snapshot_size.hpp"
 #include "stylet/output/status_file.hpp"
 #include "stylet/output/text_file.hpp"
@@ -23,12 +24,6 @@ namespace {
 
 constexpr unsigned long long format_version = 1;
 constexpr std::uint64_t first_bytes = 64 * 1024;  // a new file with its attributes takes less
-
-std::string numbered(const std::string& name, int number) {
-  constexpr std::size_t digits = 6;
-  const std::string text = std::to_string(number);
-  return name + '_' + std::string(digits - std::min(digits, text.size()), '0') + text;
-}
 
 /// Two components a row become three with z = 0, because ParaView warps by such vectors only.
 std::vector<double> with_zero_z(std::span<const double> values) {
@@ -68,9 +63,10 @@ std::vector<Value> all_rows(MPI_Comm comm,
 /// The open file, its XDMF companions and what is known of the arrays in it. Rank 0 writes.
 class SnapshotWriter::File {
  public:
-  File(MPI_Comm comm, const std::string& folder);
+  File(MPI_Comm comm, const std::string& folder, const SnapshotPlace* from);
 
   void write(const Snapshot& snapshot);
+  [[nodiscard]] SnapshotPlace settle();
   void close();
   [[nodiscard]] int n_written() const { return n_written_; }
 
@@ -85,6 +81,7 @@ class SnapshotWriter::File {
   using AllKept = std::map<std::string, Kept<Value>>;
 
   void create();
+  void go_on(const SnapshotPlace& from);
   void reserve(const Snapshot& snapshot);
   [[noreturn]] void end_job(const Error& error) const;
   void write_step(const Snapshot& snapshot);
@@ -110,6 +107,7 @@ class SnapshotWriter::File {
   std::optional<CommittedFile> h5_;  ///< rank 0's
   DiskReserve room_;
   int n_written_ = 0;
+  double time_ = 0;  ///< of the last snapshot (s)
 
   std::string step_name_;
   std::optional<std::uint64_t> mesh_version_;
@@ -150,15 +148,26 @@ bool store(AllKept& all,
 
 }  // namespace
 
-SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder)
+SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder, const SnapshotPlace* from)
     : comm_(comm),
       rank_(rank_of(comm)),
       folder_(folder),
       h5_path_(folder + "/snapshots.h5"),
       room_(h5_path_) {
   agree_after(comm, [&] {
-    if (rank_ == 0) create();
+    if (rank_ != 0) return;
+    if (from == nullptr) {
+      create();
+    } else {
+      go_on(*from);
+    }
   });
+  if (from == nullptr) return;
+  n_written_ = from->n_written;
+  time_ = from->time;
+  n_meshes_ = from->n_meshes;
+  mesh_version_ = from->mesh_version;
+  connectivity_version_ = from->connectivity_version;
 }
 
 // HDF5 cannot close a file whose first bytes found no room, so they are sure to find it; and the file
@@ -182,6 +191,35 @@ void SnapshotWriter::File::create() {
   shape_series_.emplace(folder_ + "/snapshots_needle.xdmf", "snapshots.h5");
 }
 
+// The XDMF files tell at no time of snapshots that are gone. Flags and points that stay as they are will be
+// stored once more.
+void SnapshotWriter::File::go_on(const SnapshotPlace& from) {
+  room_.require(first_bytes);  // for a second root
+  h5_.emplace(h5_path_, CommittedFile::Open::go_on);
+  const std::vector<std::string> later = later_than(from, *h5_, h5_path_);
+  tissue_series_.emplace(folder_ + "/snapshots.xdmf", "snapshots.h5", from.tissue_xdmf);
+  shape_series_.emplace(folder_ + "/snapshots_needle.xdmf", "snapshots.h5", from.shape_xdmf);
+  try {
+    h5_->remove(later);
+    connectivity_ = h5_->open(numbered("mesh", from.n_meshes - 1) + "/connectivity");
+  } catch (const Error& error) {
+    end_job(error);
+  }
+}
+
+SnapshotPlace SnapshotWriter::File::settle() {
+  if (!is_open_) throw IoError(h5_path_ + ": is closed");
+  SnapshotPlace place{n_written_, n_meshes_, time_, mesh_version_.value_or(0),
+                      connectivity_version_.value_or(0)};
+  agree_after(comm_, [&] {
+    if (rank_ != 0) return;
+    h5_->sync();
+    place.tissue_xdmf = tissue_series_->text();
+    place.shape_xdmf = shape_series_->text();
+  });
+  return place;
+}
+
 void SnapshotWriter::File::write(const Snapshot& snapshot) {
   if (!is_open_) throw IoError(h5_path_ + ": is closed");
   agree_after(comm_, [&] { check_sizes(snapshot, rank_, size_of(comm_)); });
@@ -202,6 +240,7 @@ void SnapshotWriter::File::write(const Snapshot& snapshot) {
   }
   mesh_version_ = snapshot.mesh_version;
   connectivity_version_ = snapshot.connectivity_version;
+  time_ = snapshot.time;
   ++n_written_;
   tell(snapshot);
 }
@@ -233,11 +272,15 @@ void SnapshotWriter::File::end_job(const Error& error) const {
 void SnapshotWriter::File::write_step(const Snapshot& snapshot) {
   step_name_ = numbered("step", n_written_);
   if (mesh_version_ != snapshot.mesh_version) write_mesh(snapshot);
+  const std::string mesh_name = numbered("mesh", n_meshes_ - 1);
+  tissue_.name = "tissue";
+  tissue_.points = {"/" + mesh_name + "/coordinates", n_nodes_, 2, false};
+  tissue_.connectivity = {"/" + mesh_name + "/connectivity", n_cells_, 3, true};
   const hid_t step = h5_->create_group(step_name_);
   set_attribute(step, "time", snapshot.time);
   set_attribute(step, "phase", snapshot.phase);
   set_attribute(step, "index", static_cast<unsigned long long>(n_written_));
-  set_attribute(step, "mesh", numbered("mesh", n_meshes_ - 1));
+  set_attribute(step, "mesh", mesh_name);
   write_fields(step, snapshot);
   write_shapes(step, snapshot);
   h5_->commit();
@@ -253,9 +296,6 @@ void SnapshotWriter::File::write_mesh(const Snapshot& snapshot) {
   } else {
     connectivity_ = write_array(mesh, "connectivity", "", 3, snapshot.connectivity);
   }
-  tissue_.name = "tissue";
-  tissue_.points = {"/" + name + "/coordinates", n_nodes_, 2, false};
-  tissue_.connectivity = {"/" + name + "/connectivity", n_cells_, 3, true};
 }
 
 void SnapshotWriter::File::write_fields(hid_t step, const Snapshot& snapshot) {
@@ -336,12 +376,18 @@ void SnapshotWriter::File::close() {
 }
 
 SnapshotWriter::SnapshotWriter(MPI_Comm comm, const std::string& folder)
-    : file_(std::make_unique<File>(comm, folder)) {}
+    : file_(std::make_unique<File>(comm, folder, nullptr)) {}
+
+SnapshotWriter::SnapshotWriter(MPI_Comm comm, const std::string& folder, const SnapshotPlace& from)
+    : file_(std::make_unique<File>(comm, folder, &from)) {}
 
 SnapshotWriter::~SnapshotWriter() = default;
 
 void SnapshotWriter::write(const Snapshot& snapshot) {
   file_->write(snapshot);
+}
+SnapshotPlace SnapshotWriter::settle() {
+  return file_->settle();
 }
 void SnapshotWriter::close() {
   file_->close();

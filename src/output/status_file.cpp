@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array stops{SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGXCPU};
+constexpr std::array stops{SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGXCPU, SIGUSR1};
 constexpr std::array crashes{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 constexpr off_t room = 32 * 1024;  // bytes kept for the last text
 

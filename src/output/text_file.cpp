@@ -21,6 +21,16 @@ std::string draft_of(const std::string& path) {
   return path.substr(0, name) + ".stylet." + path.substr(name) + ".tmp";
 }
 
+void sync_folder(const std::string& path) {
+  const auto slash = path.find_last_of('/');
+  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw_io_error(folder, "cannot be opened");
+  const int failed = ::fsync(descriptor);
+  ::close(descriptor);
+  if (failed != 0 && errno != EINVAL && errno != EROFS) throw_io_error(folder, "cannot be written");
+}
+
 TextFile::TextFile(std::string path, Open how)
     : path_(std::move(path)), draft_(how == Open::draft ? draft_of(path_) : "") {
   if (draft_.empty()) {

@@ -6,6 +6,10 @@ namespace stylet {
 
 namespace {
 
+const char* const first_tags =
+    "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+    "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -49,12 +53,9 @@ std::string topology(const std::string& type, int n_elements, int n_nodes, bool 
 
 }  // namespace
 
-XdmfSeries::XdmfSeries(const std::string& path, std::string h5_name)
+XdmfSeries::XdmfSeries(const std::string& path, std::string h5_name, std::string text)
     : h5_name_(std::move(h5_name)),
-      file_(path,
-            "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-            "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
-            "</Grid>\n</Domain>\n</Xdmf>\n") {}
+      file_(path, text.empty() ? first_tags : std::move(text), "</Grid>\n</Domain>\n</Xdmf>\n") {}
 
 std::string XdmfSeries::data_item(const StoredArray& array) const {
   std::string extent = std::to_string(array.n_rows);

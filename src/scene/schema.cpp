@@ -161,12 +161,25 @@ Codec<TimeParameters> time() {
              "Explicit: step over stable step.")});
 }
 
+Codec<CheckpointParameters> checkpoint() {
+  using C = CheckpointParameters;
+  return block<C>(
+      {field("steps", &C::steps, integer(1), "Steps of time.step between two."),
+       field("wall_time", &C::wall_time, number("s", positive), "Time on the clock between two.")
+           .otherwise("10 min if there are no steps"),
+       field("keep", &C::keep, integer(1), "So many are kept, the newest."),
+       field("at_end", &C::at_end, flag(), "One more when the run is done, to go on beyond it.")});
+}
+
 Codec<OutputParameters> output() {
   using O = OutputParameters;
-  return block<O>({field("directory", &O::directory, text("a folder"), "Where results go."),
-                   field("history", &O::history, flag(), "One line a step in history.csv."),
-                   field("snapshots", &O::snapshots, number("s", positive),
-                         "Time between whole fields in snapshots.h5; without it there are none.")});
+  return block<O>(
+      {field("directory", &O::directory, text("a folder"), "Where results go."),
+       field("history", &O::history, flag(), "One line a step in history.csv."),
+       field("snapshots", &O::snapshots, number("s", positive),
+             "Time between whole fields in snapshots.h5; without it there are none."),
+       field("checkpoint", &O::checkpoint, checkpoint(),
+             "What run --resume goes on from; without it where a run is stopped only.")});
 }
 
 // A bound has the unit of its quantity; of a path that no summary has, check_rules will say so.

@@ -7,6 +7,7 @@
 #include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/needle/local_mesh.hpp"
 #include "stylet/needle/quality.hpp"
+#include "stylet/petsc/archive.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/simulation/needle_path.hpp"
@@ -63,6 +64,9 @@ Body::Body(MPI_Comm comm, const Scene& scene, bool live)
     check_held(scene, mesh(), held_);
   }
   check_needles(scene, mesh(), conditions_);
+  if (const auto* steps = dynamic_cast<const ExplicitNewmark*>(integrator_.get())) {
+    steps->require_bearable_damping();
+  }
   check_step(scene, mesh(), std::min(scene.time.step, stable_step()));
   for (OwnedVec* vec : {&state_.u, &state_.v, &state_.a, &load_}) *vec = zeros(*tissue_);
   if (conditions_.has_load()) last_load_ = zeros(*tissue_);
@@ -70,6 +74,8 @@ Body::Body(MPI_Comm comm, const Scene& scene, bool live)
   std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
   std::iota(all.begin(), all.end(), 0);
   rewrites_.worst_quality = mesh().worst_quality(all);
+  if (live) return;
+  for (const NeedleParameters& needle : scene.needles) heights_.push_back(needle.height);
 }
 
 void Body::expect(const NeedleParameters& needle) {
@@ -89,6 +95,44 @@ void Body::renew_tissue() {
   integrator_->renewed(mesh());
   ledger_.changed(ledger_.conserved(integrator_->energy(state_), *tissue_, state_) - before);
   renewed_ = state_.t > 0;  // else the run begins with it
+}
+
+std::string Body::solver() const {
+  const std::string now = integrator_->solver();
+  return now == "none" && !solver_.empty() ? solver_ : now;
+}
+
+void Body::archive(Archive& archive) {
+  if (!archive.loads()) integrator_->complete();
+  std::string solver = archive.loads() ? "" : this->solver();
+  std::vector<int> rewritten(tissue_->rewritten().begin(), tissue_->rewritten().end());
+  archive("mesh", numbered_.mesh);
+  archive.cells("rewritten", rewritten);
+  archive("heights", heights_);
+  archive("time", state_.t);
+  archive_field(archive, "u", state_.u.get());
+  archive_field(archive, "v", state_.v.get());
+  archive_field(archive, "a", state_.a.get());
+  if (conditions_.has_load()) {
+    archive_field(archive, "load", load_.get());
+    archive_field(archive, "last_load", last_load_.get());
+    archive("load_time", load_time_);
+    archive("load_changed", load_changed_);
+  }
+  if (reaction_) archive_field(archive, "reaction", reaction_.get());
+  archive("riders", riders_);
+  archive("rewrites", rewrites_);
+  archive("renewed", renewed_);
+  archive("ledger", ledger_);
+  archive("solver", solver);
+  if (archive.loads()) {
+    solver_ = solver;
+    held_ = conditions_.prescribed(state_.t);
+    tissue_->renew(mesh(), scene_.tissue, rewritten, near_needles(scene_, mesh(), heights_));
+    integrator_ = make_integrator(*tissue_, mesh(), scene_.time);
+  }
+  archive("integrator", *integrator_);
+  if (archive.loads()) integrator_->go_on(state_, load_.get(), held_);
 }
 
 const State& Body::state() const {

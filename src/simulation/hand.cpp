@@ -27,6 +27,7 @@ Motion clock(const Scene& scene) {
 Schedule::Schedule(const Scene& scene, double extent)
     : needles_(scene.needles),
       until_implanted_(scene.time.until_implanted),
+      duration_(scene.time.duration),
       extent_(extent),
       motion_(clock(scene)) {}
 

@@ -163,12 +163,16 @@ void add_cell_fields(const Simulation& simulation,
 
 }  // namespace
 
-Recorder::Recorder(MPI_Comm comm, const Simulation& simulation, const std::string& folder)
+Recorder::Recorder(MPI_Comm comm,
+                   const Simulation& simulation,
+                   const std::string& folder,
+                   const RecorderPlace& from)
     : comm_(comm) {
   const auto& output = simulation.scene().output;
-  if (output.history) history_.emplace(comm, folder + "/history.csv", columns(simulation));
+  if (output.history) {
+    history_.emplace(comm, folder + "/history.csv", columns(simulation), from.history);
+  }
   if (!output.snapshots) return;
-  snapshots_.emplace(comm, folder);
   const auto& numbered = simulation.numbered();
   old_of_new_node_.resize(numbered.new_of_old_node.size());
   for (std::size_t i = 0; i < old_of_new_node_.size(); ++i) {
@@ -178,7 +182,32 @@ Recorder::Recorder(MPI_Comm comm, const Simulation& simulation, const std::strin
   for (std::size_t i = 0; i < new_of_old_cell_.size(); ++i) {
     new_of_old_cell_[static_cast<std::size_t>(numbered.old_cell_of_new[i])] = static_cast<int>(i);
   }
+  if (from.snapshots) {
+    snapshots_.emplace(comm, folder, *from.snapshots);
+    wait_for_next(from.snapshots->time, simulation.scene());
+    return;
+  }
+  snapshots_.emplace(comm, folder);
   snapshot(simulation);
+}
+
+void Recorder::wait_for_next(double time, const Scene& scene) {
+  const double interval = *scene.output.snapshots;
+  constexpr double round_off = 1e-9;
+  next_snapshot_ = (std::floor(time / interval * (1 + round_off)) + 1) * interval;
+  last_snapshot_ = time;
+}
+
+RecorderPlace Recorder::settle() {
+  RecorderPlace place;
+  if (history_) place.history = history_->settle();
+  if (snapshots_) place.snapshots = snapshots_->settle();
+  return place;
+}
+
+void RecorderPlace::archive(Archive& archive) {
+  archive("history", history);
+  archive("snapshots", snapshots);
 }
 
 void Recorder::record(const Simulation& simulation, const StepRecord& step) {
@@ -210,10 +239,7 @@ void Recorder::snapshot(const Simulation& simulation) {
   const Rotation turn = simulation.rotation();
   const auto& numbered = simulation.numbered();
   const double t = simulation.time();
-  const double interval = *simulation.scene().output.snapshots;
-  constexpr double round_off = 1e-9;
-  next_snapshot_ = (std::floor(t / interval * (1 + round_off)) + 1) * interval;
-  last_snapshot_ = t;
+  wait_for_next(t, simulation.scene());
 
   Snapshot snapshot;
   snapshot.time = t;

@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/fingerprint.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/image/file.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/progress.hpp"
@@ -10,6 +11,7 @@
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/writer.hpp"
+#include "stylet/simulation/checkpoint.hpp"
 #include "stylet/simulation/picture.hpp"
 #include "stylet/simulation/recorder.hpp"
 #include "stylet/simulation/score.hpp"
@@ -21,6 +23,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace stylet {
 
@@ -161,12 +164,18 @@ Contents contents_of(const Scene& scene) {
   return contents;
 }
 
-/// Collective. Ends the run where a signal asked for it or the history cannot be written.
-void heed(MPI_Comm comm, Recorder& recorder) {
-  int news[2] = {StatusFile::signal(), recorder.failed() ? 1 : 0};
-  if (size_of(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, news, 2, MPI_INT, MPI_MAX, comm);
+/// What any rank has learned in a step.
+struct News {
+  int signal = 0;    ///< that asked the run to stop
+  bool due = false;  ///< a checkpoint
+};
+
+/// Collective. Ends the run where the history cannot be written.
+News hear(MPI_Comm comm, Recorder& recorder, bool due) {
+  int news[3] = {StatusFile::signal(), recorder.failed() ? 1 : 0, due ? 1 : 0};
+  if (size_of(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, news, 3, MPI_INT, MPI_MAX, comm);
   if (news[1] != 0) recorder.close();
-  if (news[0] != 0) throw Stopped(news[0], ::sigabbrev_np(news[0]));
+  return {news[0], news[2] != 0};
 }
 
 /// Collective. Closes the files of a run that ended with an error, with a last snapshot where that
@@ -185,6 +194,67 @@ bool close_after(const std::exception& failure,
   } catch (const Error&) {  // the first failure is the one to tell
   }
   return whole || error->code() == ExitCode::io;
+}
+
+/// Collective. The text of a file in the output folder; empty if there is none.
+std::string text_in(MPI_Comm comm, const std::string& path) {
+  int there = rank_of(comm) == 0 && std::filesystem::exists(path) ? 1 : 0;
+  MPI_Bcast(&there, 1, MPI_INT, 0, comm);
+  return there != 0 ? read_on_all(comm, path) : std::string();
+}
+
+/// Collective. The summary of an earlier run in a folder that was completed; null without one.
+Json completed_in(MPI_Comm comm, const std::string& folder) {
+  Json summary = Json::parse(text_in(comm, folder + "/summary.json"), nullptr, false);
+  const bool is_completed = summary.is_object() && summary.value("status", "") == "completed";
+  return is_completed ? summary : Json();
+}
+
+RunOutcome completed_before(MPI_Comm comm,
+                            Json summary,
+                            RunOutcome outcome,
+                            const RunOptions& options) {
+  for (const auto& e : summary.value("expectations", Json::array())) {
+    if (!e.value("met", false)) ++outcome.failed_expectations;
+  }
+  outcome.summary = std::move(summary);
+  if (rank_of(comm) == 0 && !options.quiet) {
+    std::printf("%s: the run is completed already\n", outcome.folder.c_str());
+  }
+  return outcome;
+}
+
+/// Collective. Where a run goes on; none where it begins.
+std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
+                                           Checkpoints& checkpoints,
+                                           const CheckpointAbout& about,
+                                           const Scene& scene,
+                                           const RunOptions& options,
+                                           const std::string& folder) {
+  std::vector<std::string> notes;
+  auto loaded = checkpoints.newest(notes);
+  if (loaded) {
+    require_same_physics(loaded->about, loaded->path, scene, about.scene, about.mesh);
+    notes.push_back("going on at t = " + exact(loaded->about.time) + " s, after " +
+                    std::to_string(loaded->about.steps) + " steps, from " + loaded->path);
+  } else {
+    const std::string before = folder + "/scene.yaml";
+    if (const auto text = text_in(comm, before); !text.empty()) {
+      require_same_physics({text, about.mesh}, before, scene, about.scene, about.mesh);
+    }
+    if (!completed_in(comm, folder).is_null()) {
+      throw InputError(
+          folder +
+          ": holds a completed run that has left no checkpoint to go on from; "
+          "output.checkpoint.at_end leaves one; use --force to run it anew, or another "
+          "folder with --output");
+    }
+    notes.push_back("no checkpoint in " + folder + ": the run begins at its beginning");
+  }
+  if (rank_of(comm) == 0 && !options.quiet) {
+    for (const auto& note : notes) std::printf("%s\n", note.c_str());
+  }
+  return loaded;
 }
 
 }  // namespace
@@ -228,33 +298,72 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     }
     return summary;
   };
-  OutputFolder folder(comm, outcome.folder, contents_of(scene),
-                      options.force ? Earlier::replace : Earlier::refuse, OnSignal::tell);
+  const CheckpointAbout about{resolved, simulation.numbered().file_fingerprint};
+  const Earlier earlier = options.force    ? Earlier::replace
+                          : options.resume ? Earlier::keep
+                                           : Earlier::refuse;
+  OutputFolder folder(comm, outcome.folder, contents_of(scene), earlier, OnSignal::tell);
+  if (options.resume) {
+    Json before = completed_in(comm, outcome.folder);
+    const Json here = before.is_null() ? Json() : before["fingerprints"]["scene"];
+    if (here.is_string() && here.get<std::string>() == fingerprint(resolved) && !options.until) {
+      return completed_before(comm, std::move(before), std::move(outcome), options);
+    }
+  }
+  Checkpoints checkpoints(comm, folder, scene.output);
   std::optional<Recorder> recorder;
+  const auto write_checkpoint = [&](bool goes_on) {
+    book("output");
+    CheckpointAbout now = about;
+    now.wall_times = walls;
+    now.summary = summary_text(summary_now("running"));
+    checkpoints.write(simulation, *recorder, std::move(now), goes_on);
+    book("checkpoints");
+  };
   try {
+    RecorderPlace place;
+    if (options.resume) {
+      if (auto loaded = go_on_from(comm, checkpoints, about, scene, options, outcome.folder)) {
+        simulation.restore(std::move(loaded->state));
+        place = std::move(loaded->place);
+        walls = std::move(loaded->about.wall_times);
+      }
+    }
     folder.go_on(summary_now("running"));
     write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved);
     if (image) write_text_atomically(comm, outcome.folder + "/image.png", png_of(*image));
     book("set_up");
-    recorder.emplace(comm, simulation, outcome.folder);
+    recorder.emplace(comm, simulation, outcome.folder, place);
     book("output");
     Progress progress(comm, options.quiet);
+    bool options_checked = false;
     while (!simulation.done()) {
       const StepRecord step = simulation.step();
-      if (simulation.counts().steps == 1) check_unused_options();
+      if (!std::exchange(options_checked, true)) check_unused_options();
       if (step.sub_steps > 0) {
         book(phase_of(simulation));
         recorder->record(simulation, step);
         book("output");
       }
-      heed(comm, *recorder);
+      const News news = hear(comm, *recorder, checkpoints.due(simulation.counts().steps));
+      const bool ends = options.until && simulation.time() >= *options.until && !simulation.done();
+      if (news.signal != 0 || ends) {
+        write_checkpoint(false);
+        if (news.signal != 0) throw Stopped(news.signal, ::sigabbrev_np(news.signal));
+        break;
+      }
+      if (news.due) write_checkpoint(!simulation.done());
       if (progress.due()) progress.update(simulation.fraction(), progress_text(simulation, step));
     }
+    const bool at_end = scene.output.checkpoint && scene.output.checkpoint->at_end;
+    if (simulation.done() && at_end) write_checkpoint(false);
     recorder->finish(simulation);
     book("output");
-    outcome.summary = summary_now("completed");
-    add_uncertainty(scene, options, outcome.summary);
-    outcome.failed_expectations = check_expectations(scene, outcome.summary);
+    outcome.summary = summary_now(simulation.done() ? "completed" : "stopped");
+    if (simulation.done()) {
+      add_uncertainty(scene, options, outcome.summary);
+      outcome.failed_expectations = check_expectations(scene, outcome.summary);
+    }
     folder.finish(outcome.summary);
   } catch (const std::exception& error) {
     Json left;

@@ -1,5 +1,6 @@
 #include "stylet/solvers/eigenvalue_bound.hpp"
 
+#include "stylet/petsc/archive.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/gather.hpp"
@@ -19,9 +20,27 @@ EigenvalueBound::EigenvalueBound(const TissueOperator& tissue)
   for (std::size_t i = 0; i < masses.size(); i += 2)
     inverse_root_.push_back(1 / std::sqrt(masses[i]));
   make_weights();
-  std::vector<int> owned(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2);
-  std::iota(owned.begin(), owned.end(), tissue.first_dof() / 2);
+  renew_all();
+}
+
+void EigenvalueBound::renew_all() {
+  std::vector<int> owned(static_cast<std::size_t>(tissue_.end_dof() - tissue_.first_dof()) / 2);
+  std::iota(owned.begin(), owned.end(), tissue_.first_dof() / 2);
   renew(owned);
+}
+
+void EigenvalueBound::archive(Archive& archive) {
+  OwnedVec x = tissue_.make_vector();
+  {
+    Entries values(x.get());
+    for (int dof = tissue_.first_dof(); dof < tissue_.end_dof(); ++dof) {
+      values[dof] = weights_[static_cast<std::size_t>(dof)];
+    }
+  }
+  archive_field(archive, "weights", x.get());
+  if (!archive.loads()) return;
+  weights_ = gather_all(x.get());
+  renew_all();
 }
 
 void EigenvalueBound::update(std::span<const int> changed, std::span<const int> rows) {

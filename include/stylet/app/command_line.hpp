@@ -15,6 +15,8 @@ struct Asked {
   SceneArguments scene;
   RunOptions run;
   std::string accuracy;
+  std::string checkpoint;
+  std::string snapshot;
   int n_modes = 0;
   StabilityOptions stability;
   ConvergeOptions converge;

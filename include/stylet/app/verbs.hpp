@@ -22,6 +22,8 @@ struct SceneArguments {
 /// Empty: as the scene says.
 int run_verb(SceneArguments arguments, RunOptions options, const std::string& accuracy);
 int check_verb(const SceneArguments& arguments);
+/// snapshot: folder for what it holds as a snapshot; empty for none.
+int inspect_verb(const std::string& checkpoint, const std::string& snapshot);
 int modes_verb(const SceneArguments& arguments, int n);
 int stability_verb(const SceneArguments& arguments, const StabilityOptions& options);
 int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options);

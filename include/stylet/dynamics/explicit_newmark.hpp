@@ -25,6 +25,9 @@ class ExplicitNewmark final : public TimeIntegrator {
   /// Collective. Needs a lumped tissue operator.
   ExplicitNewmark(TissueOperator& tissue, const Mesh& mesh, const TimeParameters& parameters);
 
+  /// Throws InputError where damping by stiffness leaves next to nothing of the stable step.
+  void require_bearable_damping() const;
+
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
   void watch(std::span<const int>) override {}
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
@@ -37,6 +40,8 @@ class ExplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] bool decides_by_velocity() const override { return true; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] EnergyRules energy_rules() const override;
+  void archive(Archive& archive) override;
+  void go_on(State& state, Vec load, std::span<const PrescribedDof> held) override;
 
  private:
   struct FreeValue {

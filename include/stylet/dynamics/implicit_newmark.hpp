@@ -63,6 +63,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   void renewed(const Mesh& mesh) override;
   [[nodiscard]] EnergyRules energy_rules() const override;
+  void archive(Archive& archive) override;
 
  private:
   /// Of the speed of given motion: less does not begin.

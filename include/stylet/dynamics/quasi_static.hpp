@@ -30,8 +30,10 @@ class QuasiStatic final : public CondensedIntegrator {
   [[nodiscard]] EnergyRules energy_rules() const override {
     return {.inertia = false, .advice = "a smaller time.step, or a finer mesh"};
   }
+  void archive(Archive& archive) override;
 
  private:
+  [[nodiscard]] std::vector<double> forces() const;
   void factor();
   void load_tissue();
   void take_edits();
@@ -49,10 +51,11 @@ class QuasiStatic final : public CondensedIntegrator {
   bool whole_u_ = true;  ///< displacements of the state are up to date at all dofs
   bool whole_v_ = true;
   double accepted_h_ = 0;
-  std::vector<double> accepted_;     ///< displacement
-  std::vector<double> pushed_;       ///< A0 u: zero at later dofs
-  std::vector<double> last_pushed_;  ///< of the trial before
-  std::vector<int> forced_;          ///< dofs that carried a force
+  std::vector<double> accepted_;       ///< displacement
+  std::vector<double> pushed_;         ///< A0 u: zero at later dofs
+  std::vector<double> last_pushed_;    ///< of the trial before
+  std::vector<int> forced_;            ///< dofs that carried a force
+  std::vector<double> loaded_forces_;  ///< of them, from an archive until there is a factor
   OwnedVec held_u_;
   OwnedVec balanced_;  ///< the right-hand side that the near field has solved for
 };

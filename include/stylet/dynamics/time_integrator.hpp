@@ -1,6 +1,7 @@
 // One step of time, tried as often as contact laws ask for and accepted once.
 #pragma once
 
+#include "stylet/base/archive.hpp"
 #include "stylet/dynamics/state.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/solvers/constraint_set.hpp"
@@ -123,6 +124,12 @@ class TimeIntegrator {
   /// True if positions at the end of a step do not feel the forces of its end (central difference):
   /// contact is then decided by velocities.
   [[nodiscard]] virtual bool decides_by_velocity() const = 0;
+
+  /// Collective, between steps and after `complete`: what is carried from step to step beside the state,
+  /// and is not found anew from it. Loaded into a new integrator.
+  virtual void archive(Archive& archive) = 0;
+  /// After that, as if these had been those of the last step.
+  virtual void go_on(State&, Vec /*load*/, std::span<const PrescribedDof> /*held*/) {}
 };
 
 /// Collective. One step under constraints that are known, in steps of half the length where motion begins.

@@ -60,6 +60,14 @@ class TissueOperator {
   /// Collective. Rebuilds the rows of all nodes of the touched cells, in K, M and every tangent made
   /// by make_tangent. Returns true if the pattern had to be made anew.
   bool update(const Mesh& mesh, std::span<const int> touched_cells);
+  /// Collective. Goes on from another state of the mesh: all matrices anew, with the pattern of the mesh as
+  /// it is; no tangent. rewritten: cells that edits have touched until then.
+  void renew(const Mesh& mesh,
+             const TissueParameters& parameters,
+             std::span<const int> rewritten,
+             std::function<bool(int)> needs_flips);
+  /// Cells that edits have touched, where their regions may differ.
+  [[nodiscard]] const std::set<int>& rewritten() const { return rewritten_; }
 
   /// Collective. Edges may be flipped elsewhere from now on: makes the pattern anew.
   void expect_flips(const Mesh& mesh, std::function<bool(int)> needs_flips);
@@ -161,8 +169,8 @@ class TissueOperator {
   std::optional<RegionMap> region_map_;
   std::vector<int> cell_region_;
   std::map<int, CellMaterial> mixed_;
-  bool uniform_ = true;      ///< all regions are alike
-  std::set<int> rewritten_;  ///< cells that edits touched, where regions are kept
+  bool uniform_ = true;  ///< all regions are alike
+  std::set<int> rewritten_;
   /// Of owned nodes: column nodes of K and of M, ascending. The same unless the formulation averages.
   std::vector<std::vector<int>> stiffness_columns_;
   std::vector<std::vector<int>> mass_columns_;

@@ -2,6 +2,7 @@
 // seeds, probes. When the needle moves nodes they are found again by walking (constant time).
 #pragma once
 
+#include "stylet/base/archive.hpp"
 #include "stylet/geometry/points.hpp"
 #include "stylet/mesh/mesh.hpp"
 
@@ -18,6 +19,8 @@ struct EmbeddedPoint {
   int cell = -1;
   std::array<double, 3> weights{};
 };
+
+void archive(Archive& archive, EmbeddedPoint& point);
 
 /// Walks from cell `hint` to the cell that holds x. None if x lies outside the tissue by more than
 /// round-off.

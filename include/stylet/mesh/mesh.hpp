@@ -5,6 +5,7 @@
 // the needle moves nodes and flips edges. No PETSc here.
 #pragma once
 
+#include "stylet/base/archive.hpp"
 #include "stylet/geometry/points.hpp"
 #include "stylet/mesh/mesh_data.hpp"
 
@@ -84,6 +85,9 @@ class Mesh {
   std::array<int, 2> flip_edge(int a, int b);
   [[nodiscard]] std::uint64_t version() const { return version_; }
   [[nodiscard]] std::uint64_t connectivity_version() const { return connectivity_version_; }
+
+  /// What edits change; loaded into the mesh that it was before them.
+  void archive(Archive& archive);
 
  private:
   MeshData data_;

@@ -35,6 +35,7 @@ class ContactWork {
             double end_weight);
   /// At the end of the last step.
   [[nodiscard]] const std::vector<PointForce>& last() const { return last_; }
+  void archive(Archive& archive);
 
  private:
   std::vector<PointForce> last_;

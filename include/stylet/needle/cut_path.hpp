@@ -44,6 +44,8 @@ struct NeedleCounts {
   return {a.hand_overs + b.hand_overs, a.fallbacks + b.fallbacks, a.punctures + b.punctures};
 }
 
+void archive(Archive& archive, NeedleCounts& counts);
+
 class CutPath final : public TrackOperator {
  public:
   /// The mesh is lent. radius: within which earlier cuts and punctures are the needle's own (m);
@@ -148,6 +150,9 @@ class CutPath final : public TrackOperator {
   struct Blocked : std::runtime_error {
     using std::runtime_error::runtime_error;
   };
+
+  /// Between steps.
+  void archive(Archive& archive);
 
  private:
   enum class EndKind { hand_over, membrane, virgin };

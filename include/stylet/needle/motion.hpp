@@ -1,6 +1,7 @@
 // A needle's list of actions as steps of time.
 #pragma once
 
+#include "stylet/base/archive.hpp"
 #include "stylet/needle/parameters.hpp"
 
 #include <optional>
@@ -45,6 +46,12 @@ class Motion {
   void choose_step_anew() { h_ = 0; }
   /// The seed of the present action was left.
   void implanted();
+
+  /// The only action, which lasted so long (s), lasts longer or ends sooner than it did.
+  void change_end(double before);
+
+  /// How far it is; the actions are given.
+  void archive(Archive& archive);
 
  private:
   [[nodiscard]] std::optional<double> target() const;

@@ -58,6 +58,8 @@ struct TipStand {
   double since_puncture = 1;
 };
 
+void archive(Archive& archive, TipStand& stand);
+
 class Needle {
  public:
   /// The mesh is lent. velocity_level: contact is decided by velocities (central difference).
@@ -124,6 +126,9 @@ class Needle {
   [[nodiscard]] ReferencePoint tip_point() const { return path_.tip_point(); }
   /// True if every node of the path has been released.
   [[nodiscard]] bool released() const { return path_.is_released(); }
+
+  /// Between steps; loaded into a needle with the same parameters.
+  void archive(Archive& archive);
 
  private:
   [[nodiscard]] bool searches() const { return parameters_.cutting.law == CuttingLaw::consistent; }

@@ -1,6 +1,7 @@
 // What a needle does and how tissue resists it.
 #pragma once
 
+#include "stylet/base/archive.hpp"
 #include "stylet/geometry/points.hpp"
 
 #include <optional>
@@ -61,5 +62,8 @@ struct NeedleParameters {
   std::optional<FrictionParameters> friction;
   std::vector<Action> motion;
 };
+
+void archive(Archive& archive, CuttingParameters& parameters);
+void archive(Archive& archive, NeedleParameters& parameters);
 
 }  // namespace stylet

@@ -24,6 +24,7 @@ class Skin {
   /// Less where a corner is closer than half of it.
   [[nodiscard]] std::vector<NodeShare> lengths(const Mesh& mesh, double width) const;
   [[nodiscard]] const std::vector<int>& nodes() const { return nodes_; }
+  void archive(Archive& archive);
 
  private:
   std::vector<int> nodes_;  ///< from one end to the other

@@ -39,6 +39,8 @@ class Track {
   /// node (m). What belongs to a node that is not attached goes to its neighbour towards the skin.
   [[nodiscard]] std::vector<double> lengths(const Mesh& mesh, double from, double to) const;
 
+  void archive(Archive& archive);
+
  private:
   std::vector<ShaftNode> nodes_;
 };

@@ -9,6 +9,7 @@
 
 #include "stylet/output/hdf5.hpp"
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,11 +37,20 @@ class CommittedFile {
   [[nodiscard]] hid_t create_group(const std::string& name);
   /// Hands all to the operating system and shows the new groups, all at once.
   void commit();
+  /// Of the groups of the root.
+  [[nodiscard]] std::vector<std::string> names() const;
+  /// What is there; path: without the root.
+  [[nodiscard]] Hdf5Id open(const std::string& path) const;
+  /// These groups of the root go, all at once.
+  void remove(std::span<const std::string> names);
+  /// Waits for the disk.
+  void sync() const;
   void close();
 
  private:
   void link_as_root(hid_t twin) const;
   void link_pending(hid_t root);
+  void unlink(hid_t root, std::span<const std::string> names) const;
   void flush();
   void name_root(hid_t root);
 

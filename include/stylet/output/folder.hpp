@@ -39,6 +39,9 @@ class OutputFolder {
 
   [[nodiscard]] const std::string& path() const { return path_; }
 
+  /// Collective. A folder of numbered files in it that is needed after all; its name ends with /. Throws
+  /// InputError if something else stands there.
+  void add(const std::string& name);
   /// Collective. The summary while the work goes on; without one it says just that.
   void go_on();
   void go_on(const nlohmann::ordered_json& summary);

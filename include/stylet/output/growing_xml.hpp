@@ -23,6 +23,8 @@ class GrowingXml {
 
   /// Whole elements, without processing instructions.
   void append(std::string_view text);
+  /// All but the last tags.
+  [[nodiscard]] const std::string& text() const { return text_; }
   /// Takes the room out.
   void finish();
 

@@ -43,6 +43,8 @@ void check_hdf5(herr_t status, const std::string& what);
 void set_attribute(hid_t object, const std::string& name, const std::string& text);
 void set_attribute(hid_t object, const std::string& name, double value);
 void set_attribute(hid_t object, const std::string& name, unsigned long long value);
+/// Of a number of any type.
+[[nodiscard]] double number_attribute(hid_t object, const std::string& name);
 
 /// A new array of rows, with the attribute `unit`. columns: 1 if it has one index only.
 Hdf5Id write_array(hid_t parent,

@@ -6,6 +6,7 @@
 #include <mpi.h>
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,8 +24,12 @@ struct Column {
 /// a tenth of a second later, so a killed run loses no more than what it computed in that time.
 class HistoryWriter {
  public:
-  /// Collective. The header is `name [unit]`.
-  HistoryWriter(MPI_Comm comm, const std::string& path, std::vector<Column> columns);
+  /// Collective. The header is `name [unit]`. kept: bytes of a file that is there, to go on behind them;
+  /// throws InputError where it has not so many, or another header.
+  HistoryWriter(MPI_Comm comm,
+                const std::string& path,
+                std::vector<Column> columns,
+                std::uint64_t kept = 0);
   HistoryWriter(const HistoryWriter&) = delete;
   HistoryWriter& operator=(const HistoryWriter&) = delete;
   ~HistoryWriter();
@@ -36,7 +41,9 @@ class HistoryWriter {
   [[nodiscard]] bool failed() const { return failure_.has_value(); }
   /// Collective. All ranks throw exit code `io` if a write failed since the start.
   void flush();
-  /// Collective. flush, then waits for the disk.
+  /// Collective. flush, then waits for the disk. Returns the bytes so far.
+  std::uint64_t settle();
+  /// Collective. settle, and no more rows.
   void close();
 
  private:
@@ -45,6 +52,7 @@ class HistoryWriter {
   MPI_Comm comm_;
   std::size_t n_columns_;
   std::optional<TextFile> file_;  // rank 0
+  std::uint64_t n_bytes_ = 0;     // rank 0, handed over
   std::string buffer_;
   std::optional<std::string> failure_;
   std::chrono::steady_clock::time_point handed_over_;

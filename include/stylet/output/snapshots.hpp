@@ -14,6 +14,7 @@
 #pragma once
 
 #include "stylet/output/chunk.hpp"
+#include "stylet/output/snapshot_place.hpp"
 
 #include <mpi.h>
 
@@ -76,11 +77,16 @@ class SnapshotWriter {
  public:
   /// Creates the files in an existing folder.
   SnapshotWriter(MPI_Comm comm, const std::string& folder);
+  /// Goes on with those in it: later snapshots go, and the XDMF files are written anew. Throws InputError where they have become others, and has changed nothing
+  /// then.
+  SnapshotWriter(MPI_Comm comm, const std::string& folder, const SnapshotPlace& from);
   SnapshotWriter(const SnapshotWriter&) = delete;
   SnapshotWriter& operator=(const SnapshotWriter&) = delete;
   ~SnapshotWriter();
 
   void write(const Snapshot& snapshot);
+  /// Waits for the disk. Of rank 0.
+  [[nodiscard]] SnapshotPlace settle();
   void close();
   [[nodiscard]] int n_written() const;
 

@@ -33,6 +33,9 @@ class TextFile {
   int descriptor_;
 };
 
+/// Waits until the disk has the name of a file, after it appeared.
+void sync_folder(const std::string& path);
+
 /// IoError with the text of `errno`.
 [[noreturn]] void throw_io_error(const std::string& path, const std::string& what);
 

@@ -35,8 +35,12 @@ struct XdmfGrid {
 /// A file of a series in time, which can be read at every moment.
 class XdmfSeries {
  public:
-  /// Writes it without steps. `h5_name`: the HDF5 file, relative to the folder of the XDMF file.
-  XdmfSeries(const std::string& path, std::string h5_name);
+  /// Writes it anew. `h5_name`: the HDF5 file, relative to the folder of the XDMF file; text: of a series
+  /// that it goes on with, empty for no steps.
+  XdmfSeries(const std::string& path, std::string h5_name, std::string text = {});
+
+  /// With all steps so far.
+  [[nodiscard]] const std::string& text() const { return file_.text(); }
 
   void add(double time, const XdmfGrid& grid);
   /// Several grids at one time.

@@ -74,10 +74,19 @@ struct Probe {
   ReferencePoint point;
 };
 
+/// When a run writes what it can go on from, beside when it is stopped.
+struct CheckpointParameters {
+  std::optional<int> steps;         ///< of the clock between two
+  std::optional<double> wall_time;  ///< s between two
+  int keep = 2;                     ///< the newest so many
+  bool at_end = false;              ///< one more when the run is done
+};
+
 struct OutputParameters {
-  std::string directory;            ///< may be overridden by --output
-  bool history = true;              ///< history.csv
-  std::optional<double> snapshots;  ///< s between snapshots; none: no snapshots.h5
+  std::string directory;                           ///< may be overridden by --output
+  bool history = true;                             ///< history.csv
+  std::optional<double> snapshots;                 ///< s between snapshots; none: no snapshots.h5
+  std::optional<CheckpointParameters> checkpoint;  ///< none: where the run is stopped only
 };
 
 /// A number of summary.json (path with dots) and the range it must lie in.

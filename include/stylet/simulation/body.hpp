@@ -26,6 +26,8 @@ struct MeshRewrites {
   double worst_quality = 1;  ///< of any element at any time
 };
 
+void archive(Archive& archive, MeshRewrites& rewrites);
+
 /// Points that were embedded together.
 struct Riders {
   std::size_t first = 0;
@@ -53,7 +55,7 @@ class Body {
   [[nodiscard]] State& state();
   /// The largest step that is right now (s), as TimeIntegrator::stable_step.
   [[nodiscard]] double stable_step() const { return integrator_->stable_step(); }
-  [[nodiscard]] std::string solver() const { return integrator_->solver(); }
+  [[nodiscard]] std::string solver() const;
   [[nodiscard]] bool decides_by_velocity() const { return integrator_->decides_by_velocity(); }
   /// What holds the tissue apart from the needle, now.
   [[nodiscard]] std::span<const PrescribedDof> held() const { return held_; }
@@ -113,6 +115,10 @@ class Body {
   /// Collective. Total force on the tissue (N) that a prescribed curve needed in the last step.
   [[nodiscard]] Vector2 curve_reaction(std::size_t curve) const;
 
+  /// Collective, between steps. Loaded into a body of the same scene, whose operator, factor and kernels
+  /// are then made anew from what was loaded, with the moduli and the damping that the scene has by then.
+  void archive(Archive& archive);
+
  private:
   [[nodiscard]] std::vector<std::vector<TrackVector>> on_track(const TrackOperator& track,
                                                                std::span<const int> points,
@@ -140,6 +146,7 @@ class Body {
   bool load_changes_ = false;  ///< in the present step
   bool load_changed_ = false;  ///< since the last accepted step
   OwnedVec reaction_;          ///< of the last step, where curves are prescribed
+  std::string solver_;         ///< of before the integrator was made anew
 };
 
 }  // namespace stylet

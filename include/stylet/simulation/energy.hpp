@@ -70,6 +70,9 @@ class EnergyLedger {
   /// Collective, after a step. Throws NumericalError if there is more energy than work was done.
   void weigh(const StoredEnergy& stored, const TissueOperator& tissue, const State& state);
 
+  /// Collective.
+  void archive(Archive& archive);
+
   /// For states that are changed from outside.
   void stop_checks() { checks_ = false; }
 

@@ -62,6 +62,9 @@ class Hand {
   virtual void refused() {}
   /// Throws NumericalError where what is awaited will never be.
   virtual void stepped(const NeedleStep& step, const StepOutcome& outcome) = 0;
+
+  /// How far it is; loaded into a hand that was made from the same scene.
+  virtual void archive(Archive& archive) = 0;
 };
 
 /// The needles of a scene, one after another.
@@ -78,12 +81,14 @@ class Schedule : public Hand {
   void entered(double skin, double at_rest) override;
   void implanted() override;
   void stepped(const NeedleStep& step, const StepOutcome& outcome) override;
+  void archive(Archive& archive) override;
 
  private:
   [[nodiscard]] bool comes_to_rest(const StepOutcome& outcome);
 
   std::vector<NeedleParameters> needles_;
   bool until_implanted_;
+  double duration_;  ///< s
   double extent_;
   std::size_t n_entered_ = 0;
   bool last_seed_left_ = false;
@@ -121,6 +126,7 @@ class LiveHand : public Hand {
   void changed() override;
   void refused() override;
   void stepped(const NeedleStep& step, const StepOutcome& outcome) override;
+  void archive(Archive& archive) override;
 
  protected:
   struct Ordered {
@@ -129,6 +135,7 @@ class LiveHand : public Hand {
     std::string target = {};
     std::string key = {};
     double value = 0;
+    void archive(Archive& archive);
   };
   /// The order that is being obeyed.
   [[nodiscard]] const Ordered& order() const { return orders_.front(); }

@@ -29,6 +29,7 @@ class Recorded : public Hand {
     return std::numeric_limits<double>::infinity();
   }
   void stepped(const NeedleStep& step, const StepOutcome& outcome) override;
+  void archive(Archive& archive) override;
 
  private:
   void obeyed();

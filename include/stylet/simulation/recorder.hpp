@@ -14,16 +14,28 @@
 
 namespace stylet {
 
+/// How far the files of a run are.
+struct RecorderPlace {
+  std::uint64_t history = 0;  ///< bytes; 0 without one
+  std::optional<SnapshotPlace> snapshots;
+  void archive(Archive& archive);
+};
+
 class Recorder {
  public:
   /// Collective. Opens what the scene's output block asks for, in an existing folder, and writes the
-  /// first snapshot.
-  Recorder(MPI_Comm comm, const Simulation& simulation, const std::string& folder);
+  /// first snapshot; or goes on from where the files were, where they have been.
+  Recorder(MPI_Comm comm,
+           const Simulation& simulation,
+           const std::string& folder,
+           const RecorderPlace& from = {});
 
   /// Collective. A row of the history, and a snapshot when its time has come.
   void record(const Simulation& simulation, const StepRecord& step);
   /// Not collective. Whether this rank knows that the history cannot be written; `close` throws.
   [[nodiscard]] bool failed() const { return history_ && history_->failed(); }
+  /// Collective. Waits for the disk. Of rank 0.
+  [[nodiscard]] RecorderPlace settle();
   /// Collective. The last snapshot; closes the files.
   void finish(const Simulation& simulation);
   /// Collective. Without a last snapshot.
@@ -31,6 +43,7 @@ class Recorder {
 
  private:
   void snapshot(const Simulation& simulation);
+  void wait_for_next(double time, const Scene& scene);
 
   MPI_Comm comm_;
   std::optional<HistoryWriter> history_;

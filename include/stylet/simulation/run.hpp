@@ -16,6 +16,9 @@ struct RunOptions {
   std::string output;  ///< folder; empty: the scene's, or out/<name of the scene file>
   bool force = false;  ///< write into a folder that holds an earlier run
   bool quiet = false;
+  bool resume =
+      false;  ///< go on from the newest checkpoint in the folder, or begin where there is none
+  std::optional<double> until = {};   ///< end there, for now, with a checkpoint (s)
   std::optional<Accuracy> accuracy;   ///< of this scene, for the uncertainty of its numbers
   std::string accuracy_missing = {};  ///< why the one that is stored does not hold
 };
@@ -34,7 +37,8 @@ struct RunOutcome {
 [[nodiscard]] std::string resolved_text(Scene scene);
 
 /// Collective. Runs the scene, writes its files and prints the placement errors. After a numerical
-/// failure the files hold what there is, summary.json says why, and the error is thrown on.
+/// failure the files hold what there is, summary.json says why, and the error is thrown on. What was
+/// completed before is not run again by `resume`.
 RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options);
 
 }  // namespace stylet

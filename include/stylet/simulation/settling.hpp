@@ -1,6 +1,8 @@
 // Whether tissue comes to rest, and if not, that it never will.
 #pragma once
 
+#include "stylet/base/archive.hpp"
+
 namespace stylet {
 
 /// Follows the largest speed of the tissue from step to step. Where it falls so slowly that the
@@ -12,6 +14,7 @@ class Settling {
   void restart() { *this = {}; }
   /// Once a step. True at rest; throws NumericalError if that will not be.
   bool is_settled(double speed, double tolerance);
+  void archive(Archive& archive);
 
  private:
   static constexpr long first_block = 500;

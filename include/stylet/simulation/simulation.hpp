@@ -102,6 +102,13 @@ class Simulation {
   /// final one (src/MODEL.md, section 9).
   [[nodiscard]] std::vector<double> placement_errors() const;
 
+  /// Collective, between steps. Everything that the next steps hang on, in the order of the mesh's source.
+  [[nodiscard]] Archive::Columns store();
+  /// Collective. Goes on from there; a simulation of the same scene, on any number of ranks, that was just
+  /// made, or the one that has stored it: both are then alike to the last bit. Throws InputError where it
+  /// does not fit.
+  void restore(Archive::Columns columns);
+
  private:
   StepRecord step_unguarded();
   [[nodiscard]] std::string held_points() const;
@@ -115,6 +122,7 @@ class Simulation {
   void count_forces(const NeedleForces& forces, bool punctured);
   void count_deformed_inversions();
   void watch_strain();
+  void archive(Archive& archive);
 
   std::string procedure_note_;
   Scene scene_;

@@ -3,6 +3,7 @@
 // taken: of x = 1 (Gershgorin), and of an x near the best one for the mesh as it was at the start.
 #pragma once
 
+#include "stylet/base/archive.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/solvers/maximum_tree.hpp"
 
@@ -20,6 +21,8 @@ class EigenvalueBound {
   void update(std::span<const int> changed, std::span<const int> rows);
   /// (rad/s)^2, of all ranks.
   [[nodiscard]] double value() const { return bound_; }
+  /// Collective. The x that belongs to the mesh as it was at the start.
+  void archive(Archive& archive);
   /// 1/sqrt of the nodal masses (kg) of all nodes.
   [[nodiscard]] const std::vector<double>& inverse_roots() const { return inverse_root_; }
 
@@ -30,6 +33,7 @@ class EigenvalueBound {
     double weighted;
   };
   void make_weights();
+  void renew_all();
   void renew(std::span<const int> rows);
   [[nodiscard]] Bounds row_bounds(int node) const;
 

@@ -64,7 +64,7 @@ membrane: {region: zebra, puncture_force: 2.55 N}
 targets: {b: [1 cm, 1.1 cm], a: [0.1 m, 1 um]}
 probes: {p: [3 mm, 1 mm], o: [1 mm, 2 mm]}
 time: {method: explicit, scheme: generalised_alpha, rho_infinity: 0.25, step: 0.7 ms, until: settled, safety: 0.8}
-output: {directory: out/a b, history: false, snapshots: 50 ms}
+output: {directory: out/a b, history: false, snapshots: 50 ms, checkpoint: {steps: 10, wall_time: 60 s, keep: 3, at_end: true}}
 expect: [{quantity: seeds.0.placement_error, min: 5.5 mm, max: 7.5 mm}, {quantity: steps, max: 1e6}]
 )";
 

@@ -1,0 +1,84 @@
+// What a run writes so that it can go on: whole states in checkpoints/ of its folder.
+#pragma once
+
+#include "stylet/output/checkpoint_file.hpp"
+#include "stylet/output/folder.hpp"
+#include "stylet/simulation/recorder.hpp"
+#include "stylet/simulation/simulation.hpp"
+
+#include <mpi.h>
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stylet {
+
+/// Of a run as a whole.
+struct CheckpointAbout {
+  std::string scene;  ///< its resolved text
+  std::string mesh;   ///< fingerprint of its mesh file; empty without
+  std::string program = {};
+  std::string written = {};  ///< when, UTC
+  int n_ranks = 0;
+  double time = 0;  ///< s
+  long long steps = 0;
+  std::string phase = {};                         ///< of the needle that is in; empty without one
+  Vector2 tip = {};                               ///< of it, in space (m)
+  std::string summary = {};                       ///< of the run so far, JSON
+  std::map<std::string, double> wall_times = {};  ///< s, by phase
+  void archive(Archive& archive);
+};
+
+/// A checkpoint as it was read.
+struct LoadedCheckpoint {
+  std::string path;
+  CheckpointAbout about;
+  RecorderPlace place;
+  Archive::Columns state;
+};
+
+class Checkpoints {
+ public:
+  static constexpr const char* folder_name = "checkpoints/";
+
+  /// The folder is lent.
+  Checkpoints(MPI_Comm comm, OutputFolder& folder, const OutputParameters& output);
+
+  /// Not collective. By this rank's clock, or the steps made.
+  [[nodiscard]] bool due(long long steps) const;
+  /// Collective. Files of the run first, then the state; what is older than those to keep goes. The
+  /// simulation that goes on is then alike to one that is resumed.
+  void write(Simulation& simulation, Recorder& recorder, CheckpointAbout about, bool goes_on);
+  /// Collective. The newest whole one, if there is any. Those that are not whole are removed, and told.
+  [[nodiscard]] std::optional<LoadedCheckpoint> newest(std::vector<std::string>& notes);
+
+ private:
+  [[nodiscard]] std::vector<std::string> files() const;
+  void remove(const std::string& path) const;
+
+  MPI_Comm comm_;
+  OutputFolder& output_;
+  std::string folder_;
+  bool added_ = false;  ///< to the output folder
+  std::optional<CheckpointParameters> parameters_;
+  long long last_steps_ = 0;
+  std::chrono::steady_clock::time_point last_time_ = std::chrono::steady_clock::now();
+};
+
+/// Collective. None, and why, if it is not whole. Throws InputError, IoError.
+[[nodiscard]] std::optional<LoadedCheckpoint> load_checkpoint(MPI_Comm comm,
+                                                              const std::string& path,
+                                                              std::string& fault);
+
+/// Throws InputError that names the first key in which this scene is another one than the one stored,
+/// unless it decides about output and end only; or the mesh file.
+void require_same_physics(const CheckpointAbout& stored,
+                          const std::string& path,
+                          const Scene& scene,
+                          const std::string& resolved,
+                          const std::string& mesh_fingerprint);
+
+}  // namespace stylet
