@@ -1,9 +1,16 @@
 // A simulation goes on from what was stored of it, with the same bits: interrupted at every step, so that
 // forgotten state shows.
+#include "stylet/base/errors.hpp"
+#include "stylet/petsc/gather.hpp"
+#include "stylet/simulation/procedure_log.hpp"
+#include "stylet/simulation/recorded.hpp"
+
 #include "support/scenes.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <memory>
 
 namespace stylet {
 namespace {
@@ -44,7 +51,7 @@ needles:
       - settle: {duration: 30 ms}
   - height: 3.22 cm
     cutting: {cutting_force: 1.7 N, tip_length: 6 mm}
-    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s}
+    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s, viscous_coefficient: 200 N s/m^2}
     motion:
       - insert: {speed: 20 cm/s, depth: 3 cm}
       - retract: {speed: 30 cm/s}
@@ -89,6 +96,34 @@ std::vector<double> numbers_of(const Simulation& simulation, const StepRecord& s
   return all;
 }
 
+using Make = std::function<std::unique_ptr<Simulation>()>;
+
+/// The same numbers after every step, whether it goes on or is made anew. Returns the steps.
+int interrupt_every_step(const Make& make) {
+  const auto whole = make();
+  auto part = make();
+  int steps = 0;
+  while (!whole->done()) {
+    const auto expected = whole->step();
+    const auto record = part->step();
+    ++steps;
+    const auto a = numbers_of(*whole, expected);
+    const auto b = numbers_of(*part, record);
+    EXPECT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i], b[i]) << "number " << i << " after step " << steps << ", at t = " << record.t;
+      if (a[i] != b[i]) return steps;
+    }
+    EXPECT_EQ(whole->done(), part->done());
+    if (whole->done() || part->done()) break;
+    whole->restore(whole->store());
+    auto stored = part->store();
+    part = make();
+    part->restore(std::move(stored));
+  }
+  return steps;
+}
+
 class Resume : public testing::TestWithParam<std::vector<std::string>> {
  protected:
   [[nodiscard]] static Scene scene() {
@@ -100,26 +135,8 @@ class Resume : public testing::TestWithParam<std::vector<std::string>> {
 };
 
 TEST_P(Resume, InterruptedAtEveryStepItGoesOnWithTheSameBits) {
-  Simulation whole(MPI_COMM_WORLD, scene(), true);
-  auto part = std::make_unique<Simulation>(MPI_COMM_WORLD, scene(), true);
-  int steps = 0;
-  while (!whole.done()) {
-    const auto expected = whole.step();
-    const auto record = part->step();
-    ++steps;
-    const auto a = numbers_of(whole, expected);
-    const auto b = numbers_of(*part, record);
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      ASSERT_EQ(a[i], b[i]) << "number " << i << " after step " << steps << ", at t = " << record.t;
-    }
-    ASSERT_EQ(whole.done(), part->done());
-    if (whole.done()) break;
-    whole.restore(whole.store());
-    auto stored = part->store();
-    part = std::make_unique<Simulation>(MPI_COMM_WORLD, scene(), true);
-    part->restore(std::move(stored));
-  }
+  const int steps = interrupt_every_step(
+      [] { return std::make_unique<Simulation>(MPI_COMM_WORLD, scene(), true); });
   EXPECT_GT(steps, 50);
 }
 
@@ -158,6 +175,88 @@ INSTANTIATE_TEST_SUITE_P(
                                  "tissue.damping.mass_factor=50 1/s"},
         std::vector<std::string>{"time.step=5 ms", "time.method=explicit",
                                  "tissue.damping.stiffness_factor=0.02 ms", "loaded"}));
+
+ProcedureRow move(double speed, double duration) {
+  ProcedureRow row{ProcedureRow::Kind::move};
+  row.speed = speed;
+  row.duration = duration;
+  return row;
+}
+
+ProcedureRow change(const std::string& key, double value) {
+  ProcedureRow row{ProcedureRow::Kind::change};
+  row.key = key;
+  row.value = value;
+  return row;
+}
+
+ProcedureRow enter(double height, CuttingLaw law) {
+  ProcedureRow row{ProcedureRow::Kind::enter};
+  row.needle.name = "needle" + std::to_string(height);
+  row.needle.height = height;
+  row.needle.cutting.law = law;
+  row.needle.cutting.cutting_force = 1.7;
+  row.needle.cutting.tip_length = 6e-3;
+  row.needle.friction = FrictionParameters{195, 130, 1e-3, 1.5e-3};
+  return row;
+}
+
+/// Two needles that the scene does not know, and every kind of change between and within moves.
+std::vector<ProcedureRow> rows_of(TimeMethod method) {
+  const CuttingLaw law =
+      method == TimeMethod::explicit_newmark ? CuttingLaw::lagged : CuttingLaw::consistent;
+  std::vector<ProcedureRow> rows{move(0, 0.01),
+                                 enter(0.032, law),
+                                 move(0.2, 0.1),
+                                 change("tissue.regions.gland.youngs_modulus", 50e3),  // all alike
+                                 change("needle.cutting.cutting_force", 1.5),
+                                 move(0.2, 0.03),
+                                 change("tissue.regions.gland.youngs_modulus", 80e3),
+                                 change("membrane.puncture_force", 1.8),
+                                 change("needle.friction.kinetic_force", 120),
+                                 move(0.15, 0.031)};
+  if (method != TimeMethod::quasi_static) rows.push_back(change("tissue.damping.mass_factor", 20));
+  for (const auto& row : {move(0.15, 0.02), move(-0.3, 0.25), enter(0.0322, law), move(0.2, 0.06),
+                          move(-0.3, 0.08), move(0, 0.02)}) {
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+class ResumeRecorded : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(ResumeRecorded, ChangesInMidRunAreRemembered) {
+  std::vector<std::string> changes = GetParam();
+  changes.emplace_back("time.duration=1 s");
+  const Scene scene = for_live_hand(scene_of(tissue, changes));
+  const int steps = interrupt_every_step([&] {
+    return std::make_unique<Simulation>(MPI_COMM_WORLD, scene, true,
+                                        std::make_unique<Recorded>(rows_of(scene.time.method)));
+  });
+  EXPECT_GT(steps, 100);
+}
+
+TEST(ResumeRecordedRows, AreThoseOfBefore) {
+  const Scene scene = for_live_hand(scene_of(tissue, {"time.step=5 ms", "time.duration=1 s"}));
+  const auto make = [&](std::vector<ProcedureRow> rows) {
+    return std::make_unique<Simulation>(MPI_COMM_WORLD, scene, true,
+                                        std::make_unique<Recorded>(std::move(rows)));
+  };
+  const auto one = make({move(0, 0.02)});
+  one->step();
+  const auto other = make({move(0, 0.03)});
+  EXPECT_THROW(other->restore(one->store()), InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Methods,
+    ResumeRecorded,
+    testing::Values(std::vector<std::string>{"time.step=5 ms"},
+                    std::vector<std::string>{"time.step=5 ms", "time.method=quasi_static",
+                                             "tissue.damping=null"},
+                    std::vector<std::string>{"time.step=5 ms", "time.method=explicit",
+                                             "tissue.damping.stiffness_factor=null",
+                                             "tissue.damping.mass_factor=50 1/s"}));
 
 }  // namespace
 }  // namespace stylet

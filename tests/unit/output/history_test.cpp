@@ -8,7 +8,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace stylet {
 
@@ -48,6 +51,35 @@ TEST_F(History, HasUnitsInItsHeader) {
   history.write(std::array{0.25, 7.0, -1.5});
   history.close();
   EXPECT_EQ(contents(file()), "time [s],step,\"a,b [N]\"\n0.25,7,-1.5\n");
+}
+
+TEST_F(History, GoesOnBehindTheRowsThatAreKept) {
+  const auto writer = [&](std::uint64_t kept, const char* unit = "s") {
+    return std::make_unique<HistoryWriter>(MPI_COMM_WORLD, file(),
+                                           std::vector<Column>{{"time", unit}}, kept);
+  };
+  std::uint64_t kept = 0;
+  {
+    const auto history = writer(0);
+    history->write(std::array{0.5});
+    kept = history->settle();
+    EXPECT_EQ(kept, contents(file()).size());
+    history->write(std::array{0.75});
+    history->close();
+  }
+  {
+    const auto history = writer(kept);
+    history->write(std::array{1.5});
+    history->close();
+  }
+  EXPECT_EQ(contents(file()), "time [s]\n0.5\n1.5\n");
+  std::string message;
+  for (const auto& [n, unit] :
+       {std::pair<std::uint64_t, const char*>{kept, "ms"}, {kept + 1, "s"}, {kept + 100, "s"}}) {
+    EXPECT_EQ(failure_of([&] { writer(n, unit); }, &message), ExitCode::bad_input) << n;
+    EXPECT_THAT(message, HasSubstr("history.csv"));
+  }
+  EXPECT_EQ(contents(file()), "time [s]\n0.5\n1.5\n");
 }
 
 TEST_F(History, SurvivesADeadProgram) {

@@ -12,6 +12,7 @@
 #include <functional>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <utility>
 
 namespace {
 
@@ -136,6 +137,52 @@ TEST_F(KilledWriter, LeavesEverySnapshotThatItReported) {
     ASSERT_NO_THROW(n_steps = steps_in(states[i].bytes));
     EXPECT_GE(n_steps, states[i].reported);
     EXPECT_LE(n_steps, states[i].reported + 1);
+  }
+}
+
+// A run that is resumed drops what came after its checkpoint, from whatever a kill has left, and may be
+// killed there too.
+TEST_F(KilledWriter, GoesBackFromWhateverWasLeft) {
+  constexpr int n_kept = 3;
+  constexpr int n_first = 7;
+  constexpr int n_second = 6;
+  constexpr std::size_t stride = 7;  // of the states that are gone on with
+  const std::string file = path("snapshots.h5");
+  std::vector<std::string> states;
+  const auto collect = [&] {
+    std::string bytes = contents(file);
+    if (states.empty() || states.back() != bytes) states.push_back(bytes);
+  };
+  SnapshotPlace place;
+  {
+    SnapshotWriter writer(MPI_COMM_WORLD, folder_);
+    for (int i = 0; i < n_kept; ++i) write(writer, i);
+    place = writer.settle();
+    watch() = collect;
+    for (int i = n_kept; i < n_first; ++i) write(writer, i);
+    writer.close();
+    watch() = nullptr;
+  }
+  const auto left = std::exchange(states, {});
+  for (std::size_t i = 0; i < left.size(); i += stride) {
+    SCOPED_TRACE("left by write " + std::to_string(i));
+    std::ofstream(file, std::ios::binary) << left[i];
+    watch() = collect;
+    SnapshotWriter writer(MPI_COMM_WORLD, folder_, place);
+    watch() = nullptr;
+    EXPECT_EQ(writer.n_written(), n_kept);
+    EXPECT_EQ(steps_in(contents(file)), n_kept);
+    for (int k = n_kept; k < n_second; ++k) write(writer, k);
+    EXPECT_EQ(steps_in(contents(file)), n_second);
+    writer.close();
+    EXPECT_EQ(steps_in(contents(file)), n_second);
+  }
+  EXPECT_GT(states.size(), left.size() / stride);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    SCOPED_TRACE("while it goes back, write " + std::to_string(i));
+    int n_steps = -1;
+    ASSERT_NO_THROW(n_steps = steps_in(states[i]));
+    EXPECT_GE(n_steps, n_kept);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 namespace stylet {
@@ -71,6 +72,57 @@ class Snapshots : public testing::FolderTest {
   std::vector<double> coordinates_ = {0, 0, 1, 0, 1, 1, 0, 1};
   std::vector<int> connectivity_ = {0, 1, 2, 0, 2, 3};
 };
+
+TEST_F(Snapshots, GoOnAsIfNothingHadBeenWrittenSince) {
+  std::filesystem::create_directories(path("plain"));
+  for (const std::string& folder : {folder_, path("plain")}) {
+    SnapshotWriter writer(MPI_COMM_WORLD, folder);
+    writer.write(snapshot(0.5));
+    SnapshotPlace place = writer.settle();
+    if (folder == folder_) {
+      for (const double t : {0.7, 0.8, 0.9}) {
+        Snapshot other = snapshot(t);
+        other.mesh_version = static_cast<std::uint64_t>(10 * t);
+        writer.write(other);
+      }
+      writer.close();
+      SnapshotWriter second(MPI_COMM_WORLD, folder, place);
+      second.write(snapshot(1.5));
+      second.close();
+    } else {
+      writer.write(snapshot(1.5));
+      writer.close();
+    }
+  }
+  for (const char* name : {"snapshots.xdmf", "snapshots_needle.xdmf"}) {
+    EXPECT_EQ(contents(path(name)), contents(path("plain") + "/" + name));
+  }
+  for (const char* name : {"mesh_000000", "step_000000", "step_000001"}) {
+    EXPECT_TRUE(exists(h5(), name)) << name;
+  }
+  for (const char* name : {"mesh_000001", "step_000002"}) EXPECT_FALSE(exists(h5(), name)) << name;
+  EXPECT_EQ(read<double>(h5(), "/step_000001/von_mises", H5T_NATIVE_DOUBLE),
+            (std::vector<double>{15, 20}));
+}
+
+TEST_F(Snapshots, GoOnOnlyWithTheirFile) {
+  SnapshotWriter writer(MPI_COMM_WORLD, folder_);
+  writer.write(snapshot(0.5));
+  const SnapshotPlace place = writer.settle();
+  writer.close();
+  const std::string before = contents(path("snapshots.xdmf"));
+  SnapshotPlace later = place;
+  later.n_written = 2;
+  SnapshotPlace other = place;
+  other.time = 0.6;
+  for (const SnapshotPlace& wrong : {later, other}) {
+    std::string message;
+    EXPECT_EQ(failure_of([&] { SnapshotWriter(MPI_COMM_WORLD, folder_, wrong); }, &message),
+              ExitCode::bad_input);
+    EXPECT_THAT(message, HasSubstr("snapshots.h5"));
+    EXPECT_EQ(contents(path("snapshots.xdmf")), before);
+  }
+}
 
 TEST_F(Snapshots, ReadBack) {
   SnapshotWriter writer(MPI_COMM_WORLD, folder_);
