@@ -24,6 +24,7 @@ namespace {
 
 constexpr unsigned long long format_version = 1;
 constexpr std::uint64_t first_bytes = 64 * 1024;  // a new file with its attributes takes less
+constexpr std::uint64_t bytes_per_step = 1024;    // a second root takes less
 
 /// Two components a row become three with z = 0, because ParaView warps by such vectors only.
 std::vector<double> with_zero_z(std::span<const double> values) {
@@ -194,7 +195,7 @@ void SnapshotWriter::File::create() {
 // The XDMF files tell at no time of snapshots that are gone. Flags and points that stay as they are will be
 // stored once more.
 void SnapshotWriter::File::go_on(const SnapshotPlace& from) {
-  room_.require(first_bytes);  // for a second root
+  room_.require(first_bytes + bytes_per_step * static_cast<std::uint64_t>(from.n_written));
   h5_.emplace(h5_path_, CommittedFile::Open::go_on);
   const std::vector<std::string> later = later_than(from, *h5_, h5_path_);
   tissue_series_.emplace(folder_ + "/snapshots.xdmf", "snapshots.h5", from.tissue_xdmf);

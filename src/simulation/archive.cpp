@@ -5,6 +5,7 @@
 #include "stylet/base/fingerprint.hpp"
 #include "stylet/petsc/archive.hpp"
 #include "stylet/simulation/recorded.hpp"
+#include "stylet/simulation/recorder.hpp"
 #include "stylet/simulation/simulation.hpp"
 
 namespace stylet {
@@ -181,6 +182,11 @@ void Simulation::archive(Archive& archive) {
   archive("started", started_);
   // Whether it is done is for the hand to say: the end may be another one now.
   if (archive.loads()) done_ = false;
+}
+
+void RecorderPlace::archive(Archive& archive) {
+  archive("history", history);
+  archive("snapshots", snapshots);
 }
 
 Archive::Columns Simulation::store() {

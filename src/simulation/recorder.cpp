@@ -205,11 +205,6 @@ RecorderPlace Recorder::settle() {
   return place;
 }
 
-void RecorderPlace::archive(Archive& archive) {
-  archive("history", history);
-  archive("snapshots", snapshots);
-}
-
 void Recorder::record(const Simulation& simulation, const StepRecord& step) {
   static const LogEvent event("StyletRecord");
   const LogScope scope(event);

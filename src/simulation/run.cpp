@@ -372,7 +372,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     throw;
   }
   std::optional<Score> score;
-  if (scene.procedure) score = score_of(simulation);
+  if (scene.procedure && simulation.done()) score = score_of(simulation);
   if (rank_of(comm) == 0 && !options.quiet) print(scene, options, outcome, score);
   return outcome;
 }
