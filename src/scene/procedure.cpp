@@ -1,5 +1,6 @@
 #include "stylet/scene/procedure.hpp"
 
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/scene/block.hpp"
 #include "stylet/scene/schema_needle.hpp"
 
@@ -95,6 +96,12 @@ std::string to_line(const ProcedureRow& row) {
   Node node = Node::map();
   node.add(entry->codec.write(row), entry->name);
   return "- " + yaml_line(node) + "\n";
+}
+
+std::string fingerprint_of(std::span<const ProcedureRow> rows) {
+  std::string lines;
+  for (const ProcedureRow& row : rows) lines += to_line(row);
+  return fingerprint(lines);
 }
 
 }  // namespace stylet

@@ -2,7 +2,6 @@
 #include "stylet/geometry/archive.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/base/fingerprint.hpp"
 #include "stylet/petsc/archive.hpp"
 #include "stylet/simulation/recorded.hpp"
 #include "stylet/simulation/recorder.hpp"
@@ -126,9 +125,7 @@ void LiveHand::archive(Archive& archive) {
 
 // The rows are read again from their file.
 void Recorded::archive(Archive& archive) {
-  std::string lines;
-  for (const ProcedureRow& row : rows_) lines += to_line(row);
-  const std::string here = fingerprint(lines);
+  const std::string here = fingerprint_of(rows_);
   std::string stored = here;
   archive("rows", stored);
   archive("at", at_);

@@ -1,6 +1,5 @@
 #include "stylet/simulation/recorder.hpp"
 
-#include "stylet/base/fingerprint.hpp"
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
@@ -384,9 +383,7 @@ ordered_json summarise(MPI_Comm comm,
     summary["fingerprints"]["mesh"] = mesh;
   }
   if (scene.procedure) {
-    std::string rows;
-    for (const ProcedureRow& row : scene.procedure->rows) rows += to_line(row);
-    summary["fingerprints"]["procedure"] = fingerprint(rows);
+    summary["fingerprints"]["procedure"] = fingerprint_of(scene.procedure->rows);
     summary["score"] = json_of(score_of(simulation));
   }
   summary["solver"] = simulation.body().solver();

@@ -13,6 +13,7 @@
 #include "stylet/needle/parameters.hpp"
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,5 +40,7 @@ struct ProcedureRow {
 
 /// One line, with its end.
 [[nodiscard]] std::string to_line(const ProcedureRow& row);
+/// Of all of them, so that a recording is known again.
+[[nodiscard]] std::string fingerprint_of(std::span<const ProcedureRow> rows);
 
 }  // namespace stylet
