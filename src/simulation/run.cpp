@@ -233,6 +233,10 @@ std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
                                            const std::string& folder) {
   std::vector<std::string> notes;
   auto loaded = checkpoints.newest(notes);
+  if (loaded && !loaded->place) {
+    throw InputError(loaded->path +
+                     ": was written by a study, and knows no files of a run; move it away");
+  }
   if (loaded) {
     require_same_physics(loaded->about, loaded->path, scene, about.scene, about.mesh);
     notes.push_back("going on at t = " + exact(loaded->about.time) + " s, after " +
@@ -266,6 +270,7 @@ Scene with_absolute_paths(Scene scene) {
   if (auto* file = std::get_if<std::string>(&scene.mesh.source)) make_absolute(*file);
   if (scene.procedure) make_absolute(scene.procedure->file);
   if (scene.image && !scene.image->file.empty()) make_absolute(scene.image->file);
+  if (scene.start) make_absolute(scene.start->from);
   return scene;
 }
 
@@ -325,7 +330,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     if (options.resume) {
       if (auto loaded = go_on_from(comm, checkpoints, about, scene, options, outcome.folder)) {
         simulation.restore(std::move(loaded->state));
-        place = std::move(loaded->place);
+        place = std::move(*loaded->place);
         walls = std::move(loaded->about.wall_times);
       }
     }
