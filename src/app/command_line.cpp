@@ -13,6 +13,7 @@ const char* const examples = R"(  stylet run input/prostate.yaml
   stylet run input/prostate.yaml --set time.until=implanted --set mesh.refine=1
   stylet run input/prostate.yaml --set output.checkpoint.steps=100
   stylet run input/prostate.yaml --resume
+  stylet run input/prostate.yaml --set mesh.refine=2 --dry-run
   stylet inspect out/prostate/checkpoints/00000100.h5
   stylet check input/prostate.yaml
   stylet check scene.yaml --set 'tissue.regions."lobe.left".youngs_modulus=80 kPa'
@@ -120,6 +121,8 @@ class Verbs {
           until = in_unit("--until", text, "s");
         },
         "run a part: end at that time of the scene, such as '0.5 s', with a checkpoint");
+    verb->add_flag("--dry-run", asked_.dry_run,
+                   "tell what would be run and what it takes, from a few steps; write nothing");
     verb->add_option_function<std::string>(
         "--accuracy",
         [&accuracy = asked_.accuracy](const std::string& text) {

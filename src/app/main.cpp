@@ -90,7 +90,7 @@ int program(std::vector<std::string> arguments, const std::string& bad_options) 
     throw InputError(std::string(error.what()) + "; see stylet --help");
   }
   const std::string verb = app.get_subcommands().front()->get_name();
-  if (verb == "run") return run_verb(asked.scene, asked.run, asked.accuracy);
+  if (verb == "run") return run_verb(asked.scene, asked.run, asked.accuracy, asked.dry_run);
   if (verb == "check") return check_verb(asked.scene);
   if (verb == "inspect") return inspect_verb(asked.checkpoint, asked.snapshot);
   if (verb == "modes") return modes_verb(asked.scene, asked.n_modes);

@@ -10,6 +10,7 @@
 #include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/scene/schema.hpp"
+#include "stylet/simulation/dry_run.hpp"
 #include "stylet/simulation/inspect.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
@@ -38,7 +39,10 @@ Scene load(const SceneArguments& arguments) {
 
 }  // namespace
 
-int run_verb(SceneArguments arguments, RunOptions options, const std::string& accuracy) {
+int run_verb(SceneArguments arguments,
+             RunOptions options,
+             const std::string& accuracy,
+             bool only_tell) {
   Scene scene = load(arguments);
   auto stored = stored_accuracy(scene);
   options.accuracy = std::move(stored.study);
@@ -60,6 +64,11 @@ int run_verb(SceneArguments arguments, RunOptions options, const std::string& ac
       std::printf("for %s: mesh.refine %d, time.step %g ms (%.3g s in the study)\n",
                   accuracy.c_str(), level.refine, 1e3 * level.step, level.seconds);
     }
+  }
+  if (only_tell) {
+    const std::string text = dry_run(MPI_COMM_WORLD, scene, options);
+    if (prints()) std::fputs(text.c_str(), stdout);
+    return static_cast<int>(ExitCode::done);
   }
   const RunOutcome outcome = run(MPI_COMM_WORLD, scene, options);
   if (outcome.failed_expectations == 0) return static_cast<int>(ExitCode::done);

@@ -139,7 +139,7 @@ void Needle::forget_search() {
 
 NeedleEdits Needle::plan(const NeedleView& start) {
   contacts_.forget_changes(path_.track());
-  const int base = path_.base();
+  const long long base = path_.base();
   try {
     CutPath::Plan plan = path_.plan(start);
     if (path_.base() != base) forget_search();
@@ -275,7 +275,7 @@ bool Needle::cut_further(double gap) {
     case AdvanceSearch::Verdict::found:
       return true;
     case AdvanceSearch::Verdict::pass: {
-      const int base = path_.base();
+      const long long base = path_.base();
       if (path_.pass_end()) tip_ = TipContact::stick;
       if (path_.base() != base) forget_search();
       return false;

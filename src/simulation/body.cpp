@@ -187,9 +187,10 @@ std::vector<WorldPoint> Body::world(std::span<const EmbeddedPoint> points) const
 std::vector<int> Body::rewrite(const NeedleEdits& edits, const Track* repaired) {
   Mesh& mesh = numbered_.mesh;
   std::vector<int> touched = stylet::rewrite(mesh, edits);
-  rewrites_.edge_flips += static_cast<int>(edits.flips.size());
+  rewrites_.edge_flips += static_cast<long long>(edits.flips.size());
   if (repaired != nullptr) {
-    rewrites_.edge_flips += static_cast<int>(repair(mesh, *repaired, touched, good_quality).size());
+    rewrites_.edge_flips +=
+        static_cast<long long>(repair(mesh, *repaired, touched, good_quality).size());
   }
   sort_unique(touched);
   const double worst = mesh.worst_quality(touched);

@@ -39,11 +39,12 @@ std::string centimetres(const Scene& scene, ReferencePoint x) {
 
 class Overview {
  public:
-  Overview(const Simulation& simulation, int n_ranks)
+  Overview(const Simulation& simulation, int n_ranks, const Timing* measured)
       : simulation_(simulation),
         scene_(simulation.scene()),
         mesh_(simulation.mesh()),
-        n_ranks_(n_ranks) {
+        n_ranks_(n_ranks),
+        measured_(measured) {
     for (const auto* names : {&mesh_.data().region_names, &mesh_.data().curve_names}) {
       for (const auto& name : *names) name_width_ = std::max(name_width_, name.size() + 2);
     }
@@ -201,6 +202,7 @@ class Overview {
                (travel.all_out ? "all the way out" + steps_text(std::abs(to - from) / action.speed)
                                : "to " + end());
       case ActionKind::implant:
+        n_implanted_ = n_steps_;
         return "implant  at depth " + length_text(from - skin) +
                (action.target.empty() ? "" : ", for '" + action.target + "'");
       case ActionKind::hold:
@@ -236,6 +238,7 @@ class Overview {
         break;
     }
     line += ", ";
+    if (time.until_implanted) n_steps_ = n_implanted_;
     if (!simulation_.pierces()) (void)steps_text(time.duration);
     if (scene_.procedure) (void)steps_text(expected_time(scene_, mesh_));
     line += brief(n_steps_) + (n_steps_ == 1 ? " step of " : " steps of ") + time_text(time.step);
@@ -245,12 +248,29 @@ class Overview {
       line += ", each in " + brief(sub_steps_) + " of at most " + time_text(stable);
     }
     if (open_ended_ && !time.until_implanted) line += ", and as many as it takes to settle";
-    if (time.until_implanted) line += " at most, up to the last implant";
+    if (time.until_implanted) line += ", up to the last implant";
     add("time", line);
+  }
+
+  void add_measured() {
+    add("size", bytes_text(measured_->memory) + " of memory, measured; about " +
+                    bytes_text(disk()) + " on disk");
+    const std::string settling =
+        open_ended_ && !scene_.time.until_implanted && !measured_->whole ? ", settling apart" : "";
+    const auto made = static_cast<double>(measured_->steps);
+    const double n_steps = measured_->whole ? made : std::max(made, n_steps_);
+    const double total = measured_->so_far + (n_steps - made) * measured_->a_step;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "%s%.2g s%s: %lld steps have taken %.2g s, the later %.2g ms each",
+                  measured_->whole ? "" : "about ", total, settling.c_str(), measured_->steps,
+                  measured_->so_far, 1e3 * measured_->a_step);
+    add("takes", text);
   }
 
   // As measured on one core of an ordinary machine; more ranks help large meshes only.
   void add_sizes() {
+    if (measured_ != nullptr) return add_measured();
     const double n = mesh_.n_cells();
     constexpr double program = 50e6;
     constexpr double a_triangle = 2300;
@@ -269,7 +289,7 @@ class Overview {
   }
 
   [[nodiscard]] double disk() const {
-    constexpr double a_number = 20;  // as text
+    constexpr double a_number = 13;  // as text
     double bytes = 20e3;
     const double columns = 20 + 2.0 * static_cast<double>(scene_.probes.size()) +
                            2.0 * static_cast<double>(scene_.prescribed.size());
@@ -277,7 +297,7 @@ class Overview {
     if (scene_.output.snapshots) {
       const double snapshots =
           std::min(n_steps_, n_steps_ * scene_.time.step / *scene_.output.snapshots) + 2;
-      bytes += snapshots * (68.0 * mesh_.n_nodes() + 56.0 * mesh_.n_cells() + 60e3);
+      bytes += snapshots * (60.0 * mesh_.n_nodes() + 43.0 * mesh_.n_cells() + 7e3);
     }
     return bytes;
   }
@@ -290,8 +310,10 @@ class Overview {
   const Scene& scene_;
   const Mesh& mesh_;
   int n_ranks_;
+  const Timing* measured_;
   std::size_t name_width_ = 8;
   double n_steps_ = 0;
+  double n_implanted_ = 0;  ///< of them up to the last implant
   double sub_steps_ = 1;
   bool open_ended_ = false;
   std::string last_title_;
@@ -300,8 +322,8 @@ class Overview {
 
 }  // namespace
 
-std::string overview(const Simulation& simulation, int n_ranks) {
-  return Overview(simulation, n_ranks).text();
+std::string overview(const Simulation& simulation, int n_ranks, const Timing* measured) {
+  return Overview(simulation, n_ranks, measured).text();
 }
 
 }  // namespace stylet

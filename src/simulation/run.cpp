@@ -36,12 +36,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::string output_folder(const Scene& scene, const RunOptions& options) {
-  if (!options.output.empty()) return options.output;
-  if (!scene.output.directory.empty()) return scene.output.directory;
-  return "out/" + std::filesystem::path(scene.file).stem().string();
-}
-
 std::string progress_text(const Simulation& simulation, const StepRecord& step) {
   char text[200];
   if (const Needle* needle = simulation.needle(); needle != nullptr) {
@@ -262,6 +256,12 @@ std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
 }
 
 }  // namespace
+
+std::string output_folder(const Scene& scene, const RunOptions& options) {
+  if (!options.output.empty()) return options.output;
+  if (!scene.output.directory.empty()) return scene.output.directory;
+  return "out/" + std::filesystem::path(scene.file).stem().string();
+}
 
 Scene with_absolute_paths(Scene scene) {
   const auto make_absolute = [&](std::string& name) {

@@ -1,6 +1,7 @@
 """The verb check: what it lists of a good scene, and what it finds before a run would."""
 
 import json
+import re
 import unittest
 
 from stylet_cli import DONE, NEEDLE_SCENE, NUMERICAL, CliTest
@@ -111,6 +112,50 @@ class Check(CliTest):
         self.assertIn("note: " + summary["notes"][-1], outcome.out)
         self.assertGreater(summary["largest_strain"]["value"], 0)
         self.assertGreater(summary["largest_strain"]["time"], 0)
+
+
+class DryRun(CliTest):
+    """run --dry-run says what would be run, and writes nothing."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("scene.yaml", NEEDLE_SCENE)
+
+    def tell(self, *arguments):
+        outcome = self.stylet("run", "scene.yaml", "--dry-run", "--set", "time.step=20 ms", *arguments)
+        self.assert_code(outcome, DONE)
+        return outcome.out
+
+    def test_says_steps_and_writes_nothing(self):
+        told = self.tell("--output", "new")
+        self.assertRegex(told, r"200 steps of 20 ms")
+        self.assertRegex(told, r"MB of memory, measured")
+        self.assertRegex(told, r"takes .*steps have taken")
+        self.assertIn("writes      to new, which is new", told)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["scene.yaml"])
+        self.assertIn("100 steps of 20 ms, up to the last implant",
+                      self.tell("--set", "time.until=implanted"))
+
+    def test_says_what_becomes_of_earlier_results(self):
+        run = ["run", "scene.yaml", "--quiet", "--output", "out", "--set", "time.step=20 ms"]
+        self.assert_code(self.stylet(*run, "--until", "0.4 s"), DONE)
+        before = sorted(p.stat().st_mtime_ns for p in (self.folder / "out").rglob("*"))
+        self.assertIn("would be refused", self.tell("--output", "out"))
+        self.assertIn("replacing", self.tell("--output", "out", "--force"))
+        self.assertIn("going on after step 20,", self.tell("--output", "out", "--resume"))
+        self.assertEqual(before, sorted(p.stat().st_mtime_ns for p in (self.folder / "out").rglob("*")))
+
+    def test_disk_and_memory_are_those_of_the_run(self):
+        told = self.tell("--output", "out", "--set", "output.snapshots=20 ms")
+        said = float(re.search(r"about ([\d.]+) MB on disk", told)[1])
+        self.assert_code(self.stylet("run", "scene.yaml", "--quiet", "--output", "out", "--set",
+                                     "time.step=20 ms", "--set", "output.snapshots=20 ms"), DONE)
+        taken = 1e-6 * sum(p.stat().st_size for p in (self.folder / "out").iterdir())
+        self.assertLess(abs(said / taken - 1), 0.5, (said, taken))
+
+    def test_what_the_run_would_refuse(self):
+        outcome = self.stylet("run", "scene.yaml", "--dry-run", "--set", "time.step=-1 s")
+        self.assert_message(outcome, "time.step")
 
 
 if __name__ == "__main__":

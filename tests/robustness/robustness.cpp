@@ -76,7 +76,7 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
       if (verbose && simulation.needle() != nullptr) {
         const auto& n = *simulation.needle();
         std::printf(
-            "  t %.4f tip %.3f mm %s contact %d hand-overs %d passes %lld tip %.3f N friction "
+            "  t %.4f tip %.3f mm %s contact %d hand-overs %lld passes %lld tip %.3f N friction "
             "%.3f N worst %.4f\n",
             step.t, 1e3 * (n.tip() - n.skin()), stylet::name_of(n.phase()),
             static_cast<int>(n.tip_contact()), outcome.counts.needle.hand_overs, step.passes,
@@ -163,7 +163,7 @@ int run_all(const Options& options) {
     const double wall =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const auto& counts = outcome.counts;
-    std::printf("%zu | %s | %d | %s | %s | %s | %d | %d | %.3f | %d | %.1f | %s\n", i,
+    std::printf("%zu | %s | %d | %s | %s | %s | %lld | %lld | %.3f | %d | %.1f | %s\n", i,
                 what.name.c_str(), outcome.n_triangles, heights_of(what).c_str(),
                 name_of(what.motion), variant_of(what).c_str(), counts.needle.hand_overs,
                 counts.edge_flips, counts.worst_quality, counts.deformed_inversions, wall,

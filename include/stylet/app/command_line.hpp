@@ -15,6 +15,7 @@ struct Asked {
   SceneArguments scene;
   RunOptions run;
   std::string accuracy;
+  bool dry_run = false;
   std::string checkpoint;
   std::string snapshot;
   int n_modes = 0;

@@ -19,8 +19,12 @@ struct SceneArguments {
 };
 
 /// accuracy: wanted, such as '0.2 mm'; the study stored beside the scene then chooses mesh and step.
+/// only_tell: what would be run.
 /// Empty: as the scene says.
-int run_verb(SceneArguments arguments, RunOptions options, const std::string& accuracy);
+int run_verb(SceneArguments arguments,
+             RunOptions options,
+             const std::string& accuracy,
+             bool only_tell);
 int check_verb(const SceneArguments& arguments);
 /// snapshot: folder for what it holds as a snapshot; empty for none.
 int inspect_verb(const std::string& checkpoint, const std::string& snapshot);

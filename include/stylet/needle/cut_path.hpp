@@ -36,9 +36,9 @@ struct NeedleTissue {
 };
 
 struct NeedleCounts {
-  int hand_overs = 0;
-  int fallbacks = 0;  ///< advances along d because F was no help
-  int punctures = 0;
+  long long hand_overs = 0;
+  long long fallbacks = 0;  ///< advances along d because F was no help
+  long long punctures = 0;
 };
 [[nodiscard]] inline NeedleCounts operator+(const NeedleCounts& a, const NeedleCounts& b) {
   return {a.hand_overs + b.hand_overs, a.fallbacks + b.fallbacks, a.punctures + b.punctures};
@@ -128,7 +128,7 @@ class CutPath final : public TrackOperator {
   /// The largest b of this base, if it is known yet.
   [[nodiscard]] std::optional<double> end() const;
   /// Counts bases: with another one the gap is another function of b.
-  [[nodiscard]] int base() const { return n_bases_; }
+  [[nodiscard]] long long base() const { return n_bases_; }
 
   /// What the law of the tip wants; carried out by `plan`.
   void go_to(double b) { remaining_ = b - b_; }
@@ -182,7 +182,7 @@ class CutPath final : public TrackOperator {
 
   // The advance within the present step.
   std::optional<AdvanceBase> base_;
-  int n_bases_ = 0;
+  long long n_bases_ = 0;
   double b_ = 0;          ///< applied from base_ (m)
   double remaining_ = 0;  ///< still to apply (m)
   bool hand_over_wanted_ = false;

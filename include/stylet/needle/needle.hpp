@@ -165,7 +165,7 @@ class Needle {
   std::optional<double> holds_beyond_;  ///< advance at which the search let the tip hold (m)
   double pending_ = 0;                  ///< advance left for the next step (lagged, m)
   double last_tip_force_ = 0;           ///< N
-  int punctures_ = 0;                   ///< until the last step
+  long long punctures_ = 0;             ///< until the last step
   std::optional<double> puncture_at_;   ///< place of the needle's tip after the last one (m)
   double deepest_since_ = 0;            ///< place of the tip since then (m)
 };

@@ -21,8 +21,8 @@ namespace stylet {
 
 /// What edits have done to the reference mesh.
 struct MeshRewrites {
-  int edge_flips = 0;
-  int pattern_rebuilds = 0;
+  long long edge_flips = 0;
+  long long pattern_rebuilds = 0;
   double worst_quality = 1;  ///< of any element at any time
 };
 

@@ -29,6 +29,9 @@ struct RunOutcome {
   int failed_expectations = 0;
 };
 
+/// `options.output`, or what the scene says, or the usual folder.
+[[nodiscard]] std::string output_folder(const Scene& scene, const RunOptions& options);
+
 /// Files that the scene names, by absolute paths.
 [[nodiscard]] Scene with_absolute_paths(Scene scene);
 

@@ -31,8 +31,8 @@ struct RunCounts {
   long long sub_steps = 0;
   long long passes = 0;
   long long iterations = 0;
-  int edge_flips = 0;
-  int pattern_rebuilds = 0;
+  long long edge_flips = 0;
+  long long pattern_rebuilds = 0;
   int deformed_inversions = 0;   ///< most inverted deformed elements around the tip at a time
   double worst_quality = 1;      ///< of any element of the reference mesh at any time
   double stable_step = 0;        ///< s; the smallest of the run; explicit only

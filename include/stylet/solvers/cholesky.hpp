@@ -13,6 +13,7 @@
 #include "stylet/petsc/owned.hpp"
 
 #include <cholmod.h>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -99,8 +100,8 @@ class Cholesky {
   std::vector<Index> column_;  ///< of L, of a dof
   std::vector<Index> place_;   ///< of a front: its place in a dense array, less its first column
   bool compacted_ = false;
-  std::vector<int> stamp_;  ///< of a front: the last path that met it
-  int n_stamps_ = 0;
+  std::vector<std::int64_t> stamp_;  ///< of a front: the last path that met it
+  std::int64_t n_stamps_ = 0;
   std::vector<int> mine_;  ///< fronts of this rank's subtrees, ascending
   std::vector<int> top_;   ///< fronts of all ranks, ascending
   static constexpr int everyone = -1;

@@ -104,7 +104,7 @@ struct Frame {
   double peak_force = 0;   ///< N
   int n_stick = 0;
   int n_slip = 0;
-  int punctures = 0;
+  long long punctures = 0;
   double worst_quality = 1;
   int inverted = 0;  ///< triangles whose deformed area is not positive
 
