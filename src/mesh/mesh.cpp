@@ -169,6 +169,40 @@ void Mesh::move_node(int node, ReferencePoint to) {
   ++version_;
 }
 
+std::vector<int> Mesh::put_back(const MeshData& source) {
+  std::vector<int> changed;
+  const auto differs = [](auto a, auto b) { return !std::ranges::equal(a, b); };
+  for (int node = 0; node < n_nodes(); ++node) {
+    const std::span<const double> before(source.coordinates.data() + std::size_t(2) * node, 2);
+    if (!differs(coordinates(node), before)) continue;
+    const auto around = cells_around(node);
+    changed.insert(changed.end(), around.begin(), around.end());
+  }
+  std::vector<int> rewired;
+  for (int c = 0; c < n_cells(); ++c) {
+    const std::span<const int> before(source.cells.data() + std::size_t(3) * c, 3);
+    if (differs(cell(c), before)) rewired.push_back(c);
+  }
+  changed.insert(changed.end(), rewired.begin(), rewired.end());
+  const auto around = [&](int node) -> std::vector<int>& {
+    return around_[static_cast<std::size_t>(node)];
+  };
+  for (const int c : rewired) {
+    for (const int node : cell(c)) std::erase(around(node), c);
+  }
+  data_.coordinates = source.coordinates;
+  data_.cells = source.cells;
+  for (const int c : rewired) {
+    for (const int node : cell(c)) {
+      around(node).insert(std::ranges::lower_bound(around(node), c), c);
+    }
+  }
+  sort_unique(changed);
+  if (!changed.empty()) ++version_;
+  if (!rewired.empty()) ++connectivity_version_;
+  return changed;
+}
+
 std::array<int, 2> Mesh::flip_edge(int a, int b) {
   const auto both = cells_with(a, b);
   const int c = opposite(both[0], a, b);

@@ -74,6 +74,7 @@ Body::Body(MPI_Comm comm, const Scene& scene, bool live)
   std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
   std::iota(all.begin(), all.end(), 0);
   rewrites_.worst_quality = mesh().worst_quality(all);
+  if (live || scene.needles.size() > 1) source_ = mesh().data();
   if (live) return;
   for (const NeedleParameters& needle : scene.needles) heights_.push_back(needle.height);
 }
@@ -207,10 +208,15 @@ void Body::apply(const NeedleEdits& edits, const Track* repaired) {
   static const LogEvent event("StyletEdit");
   const LogScope scope(event);
   const auto touched = rewrite(edits, repaired);
+  rewritten(touched, edits.moves);
+}
+
+// Operator, state, load, energy and the points that ride along follow the mesh.
+void Body::rewritten(std::span<const int> touched, std::span<const NodeEdit> moves) {
   const auto rows = tissue_->rows_of(mesh(), touched);
   integrator_->complete_at(rows);
   const double before = ledger_.within(*tissue_, rows, state_);
-  for (const auto& move : edits.moves) {
+  for (const auto& move : moves) {
     const auto set = [&](Vec vector, Vector2 value) {
       set_owned(vector, 2 * move.node, value.x);
       set_owned(vector, 2 * move.node + 1, value.y);
@@ -224,6 +230,41 @@ void Body::apply(const NeedleEdits& edits, const Track* repaired) {
   integrator_->touched(mesh(), touched);
   ledger_.edited(ledger_.within(*tissue_, rows, state_) - before);
   relocate(mesh(), touched, riders_);
+}
+
+void Body::put_mesh_back() {
+  std::vector<NodeEdit> moves;
+  std::vector<EmbeddedPoint> places;
+  std::vector<int> near;
+  for (int node = 0; node < mesh().n_nodes(); ++node) {
+    const auto at = 2 * static_cast<std::size_t>(node);
+    const ReferencePoint x{source_.coordinates[at], source_.coordinates[at + 1]};
+    if (mesh().point(node) == x) continue;
+    near.push_back(mesh().cells_around(node).front());
+    places.push_back({x, near.back(), {}});
+    moves.push_back({node, x, {}});
+  }
+  relocate(mesh(), near, places);
+  std::vector<int> corners;
+  for (const auto& place : places) {
+    const auto cell = mesh().cell(place.cell);
+    corners.insert(corners.end(), cell.begin(), cell.end());
+  }
+  sort_unique(corners);
+  const NeedleView start = view(corners);
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const auto cell = mesh().cell(places[i].cell);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const NodeState& corner = start.at(cell[k]);
+      const double weight = places[i].weights[k];
+      moves[i].state.u = moves[i].state.u + weight * corner.u;
+      moves[i].state.v = moves[i].state.v + weight * corner.v;
+      moves[i].state.a = moves[i].state.a + weight * corner.a;
+    }
+  }
+  const auto touched = numbered_.mesh.put_back(source_);
+  if (touched.empty()) return;
+  rewritten(touched, moves);
 }
 
 NeedleView Body::view(std::span<const int> nodes) const {

@@ -225,6 +225,7 @@ void Simulation::enter(const NeedleParameters& parameters) {
   if (needle_) {
     earlier_needles_ = counts_.needle;
     tissue.earlier = needle_->leave();
+    body_.put_mesh_back();
   }
   if (scene_.membrane) {
     tissue.membrane = scene_.membrane->polygon;

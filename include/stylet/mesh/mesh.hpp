@@ -83,6 +83,9 @@ class Mesh {
   /// Replaces the edge a-b of two triangles by the edge between their opposite nodes. Returns those
   /// nodes. The caller checks that the result is valid.
   std::array<int, 2> flip_edge(int a, int b);
+  /// Nodes and cells go back to those of `source`, of which this mesh has been made by edits. Returns the
+  /// cells that change, ascending.
+  std::vector<int> put_back(const MeshData& source);
   [[nodiscard]] std::uint64_t version() const { return version_; }
   [[nodiscard]] std::uint64_t connectivity_version() const { return connectivity_version_; }
 

@@ -75,6 +75,9 @@ class Body {
   /// Collective. Rewrites mesh, operator and state. repaired: a path whose edges stay while flips mend
   /// the elements around the edits; null for none. Throws NumericalError where an element gets too thin.
   void apply(const NeedleEdits& edits, const Track* repaired = nullptr);
+  /// Collective, between two needles. The mesh becomes the one that it was made as; where that moves nodes
+  /// they take the state of the tissue there.
+  void put_mesh_back();
   /// Collective. The state at these nodes.
   [[nodiscard]] NeedleView view(std::span<const int> nodes) const;
   /// Collective. The displacements of the state at these points of a track, ascending (m).
@@ -126,6 +129,7 @@ class Body {
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
   std::vector<int> rewrite(const NeedleEdits& edits, const Track* repaired);
+  void rewritten(std::span<const int> touched, std::span<const NodeEdit> moves);
 
   const Scene& scene_;
   NumberedMesh numbered_;
@@ -137,6 +141,7 @@ class Body {
   std::vector<PrescribedDof> held_;
   std::vector<EmbeddedPoint> riders_;
   MeshRewrites rewrites_;
+  MeshData source_;              ///< of the mesh before all edits
   std::vector<double> heights_;  ///< of needles that the mesh has room for (m)
   bool renewed_ = false;         ///< the tissue, since the last accepted step
   double h_ = 0;                 ///< of the present step
