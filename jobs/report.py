@@ -41,7 +41,7 @@ NUMBERS = (
     ("punctures", "punctures of the membrane", 1, ""),
     ("hand_overs", "hand-overs of the tip to the next node", 1, ""),
     ("fallbacks", "advances along the needle because the mesh gave no direction", 1, ""),
-    ("deformed_inversions", "most inverted deformed triangles at the tip", 1, ""),
+    ("deformed_inversions", "most triangles turned over at a time (beyond small strain)", 1, ""),
     ("time", "end of the run", 1, "s"),
     ("steps", "steps", 1, ""),
     ("stable_step", "smallest stable step", 1e3, "ms"),

@@ -1,6 +1,7 @@
 #include "stylet/simulation/strain.hpp"
 
 #include "stylet/fem/element.hpp"
+#include "stylet/geometry/triangle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,6 +67,32 @@ class Zone {
 };
 
 }  // namespace
+
+void TurnedOver::add(const Mesh& mesh, int cell) {
+  if (triangles++ == 0) place = centre_of(mesh, cell);
+  area += mesh.cell_measure(cell);
+}
+
+bool is_turned_over(const Mesh& mesh, int cell, const std::array<Vector2, 3>& displacements) {
+  const auto nodes = mesh.cell(cell);
+  const auto x = [&](std::size_t k) { return displaced(mesh.point(nodes[k]), displacements[k]); };
+  return signed_area(x(0), x(1), x(2)) <= 0;
+}
+
+TurnedOver turned_over(const Mesh& mesh, std::span<const double> u, double time) {
+  TurnedOver all;
+  all.time = time;
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const auto nodes = mesh.cell(c);
+    std::array<Vector2, 3> displacements;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = 2 * static_cast<std::size_t>(nodes[k]);
+      displacements[k] = {u[at], u[at + 1]};
+    }
+    if (is_turned_over(mesh, c, displacements)) all.add(mesh, c);
+  }
+  return all;
+}
 
 void raise(LargestStrain& largest,
            const Mesh& mesh,

@@ -140,7 +140,7 @@ void Player::screenshot(const std::string& name) {
   }
   draw();
   save_framebuffer(folder_ + "/" + name + ".png", size_.width, size_.height);
-  write_places(folder_ + "/" + name + ".json", frame_, display_.camera);
+  write_places(folder_ + "/" + name + ".json", frame_, display_.camera, display_.widgets());
 }
 
 void Player::play(const std::vector<ScriptLine>& lines) {

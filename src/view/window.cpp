@@ -258,7 +258,7 @@ class Window {
     glfwGetFramebufferSize(glfw_.window(), &width, &height);
     const std::string name = "stylet-" + std::to_string(++n_saved_);
     save_framebuffer(name + ".png", width, height);
-    write_places(name + ".json", frame_, display_.camera);
+    write_places(name + ".json", frame_, display_.camera, display_.widgets());
     std::printf("%s.png, %s.json\n", name.c_str(), name.c_str());
     std::fflush(stdout);
   }

@@ -166,7 +166,7 @@ int run_all(const Options& options) {
     std::printf("%zu | %s | %d | %s | %s | %s | %d | %d | %.3f | %d | %.1f | %s\n", i,
                 what.name.c_str(), outcome.n_triangles, heights_of(what).c_str(),
                 name_of(what.motion), variant_of(what).c_str(), counts.needle.hand_overs,
-                counts.edge_flips, counts.worst_quality, counts.deformed_inversions, wall,
+                counts.edge_flips, counts.worst_quality, simulation.turned_over().triangles, wall,
                 outcome.text.c_str());
     std::printf("EX %zu %.3g %.3g\n", i, outcome.excess, outcome.balance);
     std::fflush(stdout);
