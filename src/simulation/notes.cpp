@@ -26,7 +26,7 @@ void note_strain(const Simulation& simulation, std::vector<std::string>& notes) 
 
 std::string rough(double value) {
   char text[20];
-  std::snprintf(text, sizeof text, "%.2g", value);
+  std::snprintf(text, sizeof text, "%.3g", value);
   return text;
 }
 
@@ -37,11 +37,11 @@ void note_turned_over(const Simulation& simulation, std::vector<std::string>& no
   const Mesh& mesh = simulation.mesh();
   double area = 0;
   for (int c = 0; c < mesh.n_cells(); ++c) area += mesh.cell_measure(c);
-  std::string seeds;
+  std::string doubtful;
   for (const Seed& seed : simulation.seeds()) {
     if (seed.turned_over == 0) continue;
-    seeds += (seeds.empty() ? "" : ", ") + ("needle '" + seed.needle + "'") +
-             (seed.target.empty() ? "" : " for '" + seed.target + "'");
+    doubtful += (doubtful.empty() ? "" : ", ") + ("needle '" + seed.needle + "'") +
+                (seed.target.empty() ? "" : " for '" + seed.target + "'");
   }
   notes.push_back("beyond small strain: " + std::to_string(most.triangles) +
                   (most.triangles == 1 ? " triangle was" : " triangles were") +
@@ -49,8 +49,7 @@ void note_turned_over(const Simulation& simulation, std::vector<std::string>& no
                   rough(100 * most.area / area) + " % of the tissue, such as at " +
                   point_text(simulation.scene(), most.place) +
                   "; forces from then on cannot be trusted" +
-                  (seeds.empty() ? ", and no seed was left with such a needle"
-                                 : ", nor can the seeds of " + seeds));
+                  (doubtful.empty() ? "" : ", nor can the seeds of " + doubtful));
 }
 
 /// A placement error is that of a seed at rest.

@@ -271,7 +271,7 @@ Wishes draw_messages(const Frame& frame, const Pane& pane) {
 
 void draw_help(const Pane& pane, Look& look) {
   if (!look.help) return;
-  constexpr std::array<std::pair<const char*, const char*>, 18> keys{
+  constexpr std::array<std::pair<const char*, const char*>, 19> keys{
       {{"mouse, left button", "hold the needle: push and pull it"},
        {"mouse, no button", "choose a height while the needle is outside"},
        {"mouse, right button", "leave a seed at the tip"},
@@ -289,6 +289,7 @@ void draw_help(const Pane& pane, Look& look) {
        {"[ and ]", "speed limit of the hand"},
        {"Ctrl with + or -", "size of letters"},
        {"B, X", "panel; save a picture of the window"},
+       {"Ctrl with Q", "end: the score, and where the recording is"},
        {"H", "this list"}}};
   const float letter = ImGui::GetFontSize();
   ImGui::SetNextWindowPos({static_cast<float>(pane.left + 0.5 * pane.width),

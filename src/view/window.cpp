@@ -240,6 +240,7 @@ class Window {
       const std::string next = methods[static_cast<std::size_t>(now - methods.begin() + 1) % 3];
       session_.order([next](LiveRun& run) { run.choose_method(next); });
     }
+    if (key == GLFW_KEY_Q && control) glfwSetWindowShouldClose(glfw_.window(), GLFW_TRUE);
     if (key == GLFW_KEY_P) pause();
     if (key == GLFW_KEY_F) display_.fit(frame_);
     if (key == GLFW_KEY_C)
