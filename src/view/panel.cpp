@@ -117,13 +117,18 @@ void pace_of(const Frame& frame, const DrawingPace& drawing, bool paused) {
   row("sub-steps a frame", "%.1f",
       pace.real_time_factor * pace.sub_steps / pace.step / drawing.frames_per_second);
   row("busy with steps", "%.0f %%", 100 * pace.busy);
-  if (drawing.delay > 0) row("hand to picture", "%.0f ms", 1e3 * drawing.delay);
+  // Always as many rows, so that sliders do not move away from under the mouse.
+  if (drawing.delay > 0) {
+    row("hand to picture", "%.0f ms", 1e3 * drawing.delay);
+  } else {
+    row("hand to picture", "%s", "unknown");
+  }
   constexpr double slow = 0.97;
   if (paused || !frame.error.empty()) {
     row("real time", "%s", "stands still");
   } else if (pace.real_time_factor < slow) {
-    ImGui::TextColored(warning, "slower than real time: %.2f x", pace.real_time_factor);
-    if (frame.method != "quasi_static") ImGui::TextUnformatted("quasi_static is quicker (M)");
+    ImGui::TextColored(warning, "slower than real time: %.2f x%s", pace.real_time_factor,
+                       frame.method == "quasi_static" ? "" : "; quasi_static is quicker");
   } else {
     row("real time", "%.2f x", pace.real_time_factor);
   }

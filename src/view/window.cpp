@@ -200,7 +200,7 @@ class Window {
   }
 
   void wheel(double turns) {
-    if (ImGui::GetIO().WantCaptureMouse) return;
+    if (ImGui::GetIO().WantCaptureMouse || !display_.camera.pane().holds(mouse_)) return;
     display_.camera.zoom(std::pow(1.15, turns), mouse_);
   }
 
