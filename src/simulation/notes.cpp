@@ -48,7 +48,7 @@ void note_turned_over(const Simulation& simulation, std::vector<std::string>& no
                   " turned over by the deformation at t = " + brief(most.time) + " s, " +
                   rough(100 * most.area / area) + " % of the tissue, such as at " +
                   point_text(simulation.scene(), most.place) +
-                  "; forces from then on cannot be trusted" +
+                  "; forces since t = " + brief(most.first) + " s cannot be trusted" +
                   (doubtful.empty() ? "" : ", nor can the seeds of " + doubtful));
 }
 

@@ -17,12 +17,12 @@ MethodChoice method_choice(const std::string& asked, const std::string& own, int
   const std::string measured =
       std::to_string(most_triangles(own)) + " triangles, here are " + std::to_string(n_triangles);
   if (n_triangles <= most_triangles(own)) {
-    return {own, "the scene's; keeps up with the clock on " + measured};
+    return {own, "the scene's; was measured to keep up with the clock on up to " + measured};
   }
   const std::string quickest = "quasi_static";
   if (own == quickest) return {own, "the scene's, and the quickest; may be slower than the clock"};
   return {quickest, "the quickest, without inertia; the scene's " + own +
-                        " was measured to keep up with the clock on " + measured};
+                        " was measured to keep up with the clock on up to " + measured};
 }
 
 }  // namespace stylet

@@ -71,7 +71,8 @@ void placement(const Frame& frame, Wishes& wishes) {
     }
     row("  error now", "%.2f mm", 1e3 * seed.error_now.value_or(0));
     row("  at rest", "%s", length_text(seed.error_at_rest).c_str());
-    row("  its band", "%s", seed.band ? ("± " + length_text(seed.band)).c_str() : "unknown");
+    row("  scene's own band", "%s",
+        seed.band ? ("± " + length_text(seed.band)).c_str() : "unknown");
     note_place(wishes, "band of " + seed.target);
   }
 }

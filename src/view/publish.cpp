@@ -146,7 +146,7 @@ std::string last_words(LiveRun& run) {
   for (const std::string& note : notes_of(run.simulation())) words += "note: " + note + '\n';
   if (!run.folder().empty()) {
     words += "recorded in " + run.folder() + "; the same again: stylet run " + run.folder() +
-             "/scene.yaml, or stylet view with it\n";
+             "/scene.yaml --output " + run.folder() + "/run, or stylet view with the scene\n";
   }
   return words;
 }

@@ -40,6 +40,7 @@ void open_window(MPI_Comm comm, LiveOptions live, const ViewOptions& options) {
   window.height = options.size.height;
   window.letters = options.letters;
   if (options.seconds > 0) window.seconds = options.seconds;
+  check_display();
   LiveSession session(comm, std::move(live));
   std::fputs(session.method().c_str(), stdout);
   std::fflush(stdout);

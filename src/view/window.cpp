@@ -22,7 +22,7 @@ namespace {
 class Glfw {
  public:
   explicit Glfw(const WindowOptions& options) {
-    if (glfwInit() != GLFW_TRUE) fail("no window");
+    start();
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -38,6 +38,9 @@ class Glfw {
   Glfw& operator=(const Glfw&) = delete;
   ~Glfw() { glfwTerminate(); }
   [[nodiscard]] GLFWwindow* window() const { return window_; }
+  static void start() {
+    if (glfwInit() != GLFW_TRUE) fail("no window");
+  }
 
  private:
   [[noreturn]] static void fail(const char* what) {
@@ -289,6 +292,11 @@ class Window {
 };
 
 }  // namespace
+
+void check_display() {
+  Glfw::start();
+  glfwTerminate();
+}
 
 WindowReport show_window(LiveSession& session, const WindowOptions& options) {
   return Window(session, options).show();

@@ -99,6 +99,7 @@ TEST(Doubt, TurnedOverTrianglesAreToldOfEverywhere) {
   EXPECT_THAT(notes, Contains(AllOf(HasSubstr("turned over"), HasSubstr("'needle1' for 'seed'"))));
   EXPECT_EQ(text_of(score_of(*replay)), text_of(hand.run->finish()));
   EXPECT_EQ(replay->turned_over().triangles, out.most_inverted);
+  EXPECT_LT(replay->turned_over().first, replay->turned_over().time);
 }
 
 TEST(Doubt, OfSeedsOnlyWhereTheirOwnNeedleTurnedTrianglesOver) {

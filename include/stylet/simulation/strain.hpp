@@ -32,11 +32,15 @@ struct TurnedOver {
   int triangles = 0;  ///< at a time
   double area = 0;    ///< of them, undeformed (m^2)
   double time = 0;    ///< s
+  double first = 0;   ///< s, when any was turned over
   ReferencePoint place;
 
   void add(const Mesh& mesh, int cell);
   void raise(const TurnedOver& seen) {
-    if (seen.triangles > triangles) *this = seen;
+    if (seen.triangles <= triangles) return;
+    const double since = triangles > 0 ? first : seen.time;
+    *this = seen;
+    first = since;
   }
 };
 
