@@ -82,14 +82,16 @@ bool is_turned_over(const Mesh& mesh, int cell, const std::array<Vector2, 3>& di
 TurnedOver turned_over(const Mesh& mesh, std::span<const double> u, double time) {
   TurnedOver all;
   all.time = time;
+  std::vector<WorldPoint> x;
+  x.reserve(static_cast<std::size_t>(mesh.n_nodes()));
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    const auto at = 2 * static_cast<std::size_t>(node);
+    x.push_back(displaced(mesh.point(node), {u[at], u[at + 1]}));
+  }
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const auto nodes = mesh.cell(c);
-    std::array<Vector2, 3> displacements;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = 2 * static_cast<std::size_t>(nodes[k]);
-      displacements[k] = {u[at], u[at + 1]};
-    }
-    if (is_turned_over(mesh, c, displacements)) all.add(mesh, c);
+    const auto corner = [&](std::size_t k) { return x[static_cast<std::size_t>(nodes[k])]; };
+    if (signed_area(corner(0), corner(1), corner(2)) <= 0) all.add(mesh, c);
   }
   return all;
 }
