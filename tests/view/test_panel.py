@@ -112,7 +112,9 @@ class ErrorBox(Hand):
         places = self.take_needle(0.032)
         places = self.drag_needle(places, 0.05)
         self.assertIn("cuts 0.00041 m at most", places["error"])
-        self.assertGreater(orange(self.picture_of(places, "error")), 200)
+        # In the first picture a box may only learn its size.
+        places = self.wait("the box of the error", lambda p: "error" in p["widgets"]
+                           and orange(self.picture_of(p, "error")) > 200)
         still = self.look()
         self.assertEqual(still["time"], places["time"])
         self.assertTrue(still["error"])
