@@ -237,7 +237,8 @@ def draw_errors(axes, run, scale):
         target, place = np.array(seed["target_point"]) * CM, np.array(seed["world"]) * CM
         axes.plot(*np.array([target, place]).T, color=SEED, linewidth=2 * scale, zorder=5.5,
                   path_effects=[withStroke(linewidth=3.4 * scale, foreground="white")])
-        axes.annotate(f"{1e3 * seed['placement_error']:.1f} mm", (target + place) / 2,
+        doubt = ", not to be trusted" if seed.get("turned_over", 0) else ""  # beyond small strain
+        axes.annotate(f"{1e3 * seed['placement_error']:.1f} mm{doubt}", (target + place) / 2,
                       xytext=(0, 13 * scale), textcoords="offset points", ha="center",
                       fontsize=10 * scale + 1, color=DARK, zorder=7,
                       bbox={"boxstyle": "round,pad=0.25", "facecolor": "white",

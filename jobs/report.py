@@ -41,7 +41,7 @@ NUMBERS = (
     ("punctures", "punctures of the membrane", 1, ""),
     ("hand_overs", "hand-overs of the tip to the next node", 1, ""),
     ("fallbacks", "advances along the needle because the mesh gave no direction", 1, ""),
-    ("deformed_inversions", "most inverted deformed triangles at the tip", 1, ""),
+    ("deformed_inversions", "most triangles turned over at a time (beyond small strain)", 1, ""),
     ("time", "end of the run", 1, "s"),
     ("steps", "steps", 1, ""),
     ("stable_step", "smallest stable step", 1e3, "ms"),
@@ -211,13 +211,19 @@ def state(summary):
     return "\n".join(blocks)
 
 
+def distrust(seed):
+    """As the program says it behind the number."""
+    over = seed.get("turned_over", 0)
+    return f" <b>not to be trusted</b>: beyond small strain, triangles turned over: {over}" if over else ""
+
+
 def seed_rows(summary):
     for i, seed in enumerate(summary.get("seeds", [])):
         name = f"'{seed['target']}'" if "target" in seed else f"{i}"
         if "placement_error" in seed:
             path = f"seeds.{i}.placement_error"
             yield (f"placement error of the seed for {name}",
-                   with_band(summary, path, seed["placement_error"], 1e3, "mm"))
+                   with_band(summary, path, seed["placement_error"], 1e3, "mm") + distrust(seed))
         yield (f"seed {name} (needle {seed['needle']}, left at {shown(seed['implanted_at'])} s) lies at",
                escape(", ".join(f"{1e3 * x:.3f}" for x in seed["world"]) + " mm"))
         yield (f"seed {name}: the tissue there had moved by",

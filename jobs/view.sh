@@ -6,11 +6,12 @@ set -euo pipefail
 
 scene=${1:-$root/input/prostate.yaml}
 shift || true
-"$root/jobs/install.sh" --view
-say "building into $root/build"
-build OFF -DSTYLET_VIEW=ON
 if [ -z "${DISPLAY:-}" ] && [[ " $* " != *" --script "* ]]; then
   say "there is no display here (DISPLAY is not set); with --script FILE the window draws pictures without one" >&2
   exit 1
 fi
+"$root/jobs/install.sh" --view
+say "building into $root/build, which takes some minutes the first time"
+build OFF -DSTYLET_VIEW=ON
+say "opening $scene; afterwards: export PATH=\"$root/build:\$PATH\", and stylet view SCENE"
 exec "$root/build/stylet" view "$scene" "$@"

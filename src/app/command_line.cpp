@@ -251,6 +251,12 @@ class Verbs {
     verb->add_option(
         "--plan", options.plan,
         "scene whose needles are drawn over the tissue, such as a plan's planned.yaml");
+    verb->add_option("--method", options.method,
+                     "of time stepping: auto is that of the scene (or --set time.method) where it "
+                     "was measured to keep up with the clock on as many triangles, else "
+                     "quasi_static, the quickest")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"auto", "explicit", "implicit", "quasi_static"}));
     verb->add_option("--size", options.size, "of window or pictures, in pixels")
         ->capture_default_str();
     verb->add_option("--letters", options.letters, "size of letters and marks, such as 1.5")

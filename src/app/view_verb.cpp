@@ -4,6 +4,7 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/view/view.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 #include <map>
@@ -57,6 +58,12 @@ int view_verb(const SceneArguments& arguments, const ViewArguments& asked) {
   LiveOptions live{source(arguments.file, arguments.overrides)};
   live.bands = bands_of(live.source.load());
   if (!asked.plan.empty()) live.plan = source(asked.plan, {});
+  // A script has no clock to keep up with.
+  const bool is_chosen = !asked.script.empty() ||
+                         std::ranges::any_of(arguments.overrides, [](const std::string& change) {
+                           return change.starts_with("time.method=");
+                         });
+  live.method = asked.method == "auto" && is_chosen ? std::string() : asked.method;
   if (asked.records) {
     live.record = asked.record.empty()
                       ? "out/view-" + std::filesystem::path(arguments.file).stem().string()

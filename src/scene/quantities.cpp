@@ -47,8 +47,8 @@ const std::vector<SummaryQuantity>& of_needles() {
 
 const std::vector<SummaryQuantity>& of_a_seed() {
   static const std::vector<SummaryQuantity> quantities = {
-      {"implanted_at", "s"}, {"reference.0", "m"}, {"reference.1", "m"},
-      {"world.0", "m"},      {"world.1", "m"},     {"tip_displacement", "m"}};
+      {"implanted_at", "s"}, {"reference.0", "m"},      {"reference.1", "m"}, {"world.0", "m"},
+      {"world.1", "m"},      {"tip_displacement", "m"}, {"turned_over", ""}};
   return quantities;
 }
 

@@ -32,7 +32,7 @@ static void archive(Archive& archive, Riders& riders) {
 }
 
 static void archive(Archive& archive, Seed& seed) {
-  auto& [needle, target, time, displacement, place, tip, cutting] = seed;
+  auto& [needle, target, time, displacement, place, tip, cutting, turned_over] = seed;
   archive("needle", needle);
   archive("target", target);
   archive("time", time);
@@ -40,6 +40,7 @@ static void archive(Archive& archive, Seed& seed) {
   archive("place", place);
   archive("tip", tip);
   archive("cutting", cutting);
+  archive("turned_over", turned_over);
 }
 
 static void archive(Archive& archive, StrainPeak& peak) {
@@ -55,16 +56,32 @@ static void archive(Archive& archive, LargestStrain& largest) {
   archive("widespread", widespread);
 }
 
+static void archive(Archive& archive, TurnedOver& seen) {
+  auto& [triangles, area, time, first, place] = seen;
+  archive("triangles", triangles);
+  archive("area", area);
+  archive("time", time);
+  archive("first", first);
+  archive("place", place);
+}
+
+static void archive(Archive& archive, Pushing& pushing) {
+  auto& [needle, duration, shortest, furthest] = pushing;
+  archive("needle", needle);
+  archive("duration", duration);
+  archive("shortest", shortest);
+  archive("furthest", furthest);
+}
+
 static void archive(Archive& archive, RunCounts& counts) {
-  auto& [steps, sub_steps, passes, iterations, edge_flips, pattern_rebuilds, deformed_inversions,
-         worst_quality, stable_step, peak_needle_force, tip_excess, needle] = counts;
+  auto& [steps, sub_steps, passes, iterations, edge_flips, pattern_rebuilds, worst_quality,
+         stable_step, peak_needle_force, tip_excess, needle] = counts;
   archive("steps", steps);
   archive("sub_steps", sub_steps);
   archive("passes", passes);
   archive("iterations", iterations);
   archive("edge_flips", edge_flips);
   archive("pattern_rebuilds", pattern_rebuilds);
-  archive("deformed_inversions", deformed_inversions);
   archive("worst_quality", worst_quality);
   archive("stable_step", stable_step);
   archive("peak_needle_force", peak_needle_force);
@@ -178,6 +195,11 @@ void Simulation::archive(Archive& archive) {
   archive("last_friction", last_friction_);
   archive("next_strain", next_strain_);
   archive("largest_strain", largest_strain_);
+  archive("turned_over", turned_over_);
+  archive("turned_over_now", turned_over_now_);
+  archive("since_entered", since_entered_);
+  archive("entered", entered_);
+  archive("pushings", pushings_);
   archive("started", started_);
   // Whether it is done is for the hand to say: the end may be another one now.
   if (archive.loads()) done_ = false;

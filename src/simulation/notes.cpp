@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 namespace stylet {
@@ -21,6 +22,34 @@ void note_strain(const Simulation& simulation, std::vector<std::string>& notes) 
                   (simulation.pierces() ? " away from the needle" : "") + ", such as at " +
                   point_text(simulation.scene(), peak.place) + " at t = " + brief(peak.time) +
                   " s; linear elasticity is good for small strain, up to some 10 %");
+}
+
+std::string rough(double value) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// Such triangles are no large error of small-strain theory but its end: no tissue can be there.
+void note_turned_over(const Simulation& simulation, std::vector<std::string>& notes) {
+  const TurnedOver& most = simulation.turned_over();
+  if (most.triangles == 0) return;
+  const Mesh& mesh = simulation.mesh();
+  double area = 0;
+  for (int c = 0; c < mesh.n_cells(); ++c) area += mesh.cell_measure(c);
+  std::string doubtful;
+  for (const Seed& seed : simulation.seeds()) {
+    if (seed.turned_over == 0) continue;
+    doubtful += (doubtful.empty() ? "" : ", ") + ("needle '" + seed.needle + "'") +
+                (seed.target.empty() ? "" : " for '" + seed.target + "'");
+  }
+  notes.push_back("beyond small strain: " + std::to_string(most.triangles) +
+                  (most.triangles == 1 ? " triangle was" : " triangles were") +
+                  " turned over by the deformation at t = " + brief(most.time) + " s, " +
+                  rough(100 * most.area / area) + " % of the tissue, such as at " +
+                  point_text(simulation.scene(), most.place) +
+                  "; forces since t = " + brief(most.first) + " s cannot be trusted" +
+                  (doubtful.empty() ? "" : ", nor can the seeds of " + doubtful));
 }
 
 /// A placement error is that of a seed at rest.
@@ -54,16 +83,13 @@ void note_locking(const Scene& scene, std::vector<std::string>& notes) {
   }
 }
 
-/// Of the scene, of a recorded procedure, or the last one of a hand.
+/// Of the scene, of a recorded procedure, or those that a hand has let in.
 std::vector<NeedleParameters> needles_of(const Simulation& simulation) {
   const Scene& scene = simulation.scene();
-  std::vector<NeedleParameters> needles = scene.needles;
-  if (scene.procedure) {
-    for (const ProcedureRow& row : scene.procedure->rows) {
-      if (row.kind == ProcedureRow::Kind::enter) needles.push_back(row.needle);
-    }
-  } else if (needles.empty() && simulation.needle() != nullptr) {
-    needles.push_back(simulation.needle()->parameters());
+  if (!scene.procedure) return simulation.is_live() ? simulation.entered() : scene.needles;
+  std::vector<NeedleParameters> needles;
+  for (const ProcedureRow& row : scene.procedure->rows) {
+    if (row.kind == ProcedureRow::Kind::enter) needles.push_back(row.needle);
   }
   return needles;
 }
@@ -76,15 +102,38 @@ void note_point_tips(const Simulation& simulation, std::vector<std::string>& not
   }
 }
 
+/// True once nothing is to be expected of a needle: a hand may push it on.
+bool has_acted(const Simulation& simulation, const Pushing& pushing) {
+  return simulation.done() || pushing.needle != simulation.needle()->parameters().name ||
+         std::ranges::find(simulation.seeds(), pushing.needle, &Seed::needle) !=
+             simulation.seeds().end();
+}
+
 /// Hands may be as short as a step; scenes with needles are refused where that is so.
 void note_few_steps(const Simulation& simulation, std::vector<std::string>& notes) {
   const Scene& scene = simulation.scene();
-  for (const Pushing& pushing : pushings_of(scene)) {
-    if (pushing.duration == 0) continue;
+  const bool is_known = scene.procedure.has_value();
+  for (const Pushing& pushing : is_known ? pushings_of(scene) : simulation.pushings()) {
+    if (pushing.duration == 0 || (!is_known && !has_acted(simulation, pushing))) continue;
     if (scene.time.step <= pushing.duration / fewest_steps * (1 + 1e-9)) continue;
     notes.push_back("needle '" + pushing.needle + "' is pushed in " + brief(pushing.duration) +
                     " s, fewer than four steps of time.step, " + brief(scene.time.step) +
                     " s: its answer depends on them");
+  }
+}
+
+/// A hand hears of what it does at the end of a step.
+void note_long_ways(const Simulation& simulation, std::vector<std::string>& notes) {
+  for (std::size_t i = 0; i < simulation.pushings().size(); ++i) {
+    const Pushing& pushing = simulation.pushings()[i];
+    const double most = longest_way(simulation.mesh(), simulation.entered()[i]);
+    if (!(pushing.furthest > most * (1 + 1e-9))) continue;
+    notes.push_back("needle '" + pushing.needle + "' went up to " + brief(1e3 * pushing.furthest) +
+                    " mm in a step of time.step, " + brief(simulation.scene().time.step) +
+                    " s, further than " + brief(1e3 * most) +
+                    " mm, its tip_length, or the length of an element if that is 0: what a hand "
+                    "would have felt on the way, such as a membrane that breaks, is not seen; a "
+                    "smaller time.step or slower pushes");
   }
 }
 
@@ -219,15 +268,24 @@ void note_held_corners(const Simulation& simulation, std::vector<std::string>& n
 
 }  // namespace
 
+double longest_way(const Mesh& mesh, const NeedleParameters& needle) {
+  if (needle.cutting.tip_length > 0) return needle.cutting.tip_length;
+  double area = 0;
+  for (int c = 0; c < mesh.n_cells(); ++c) area += mesh.cell_measure(c);
+  return std::sqrt(4 / std::numbers::sqrt3 * area / mesh.n_cells());  // equilateral triangles
+}
+
 std::vector<std::string> notes_of(const Simulation& simulation) {
   std::vector<std::string> notes;
   if (const auto& note = simulation.procedure_note(); !note.empty()) notes.push_back(note);
+  note_turned_over(simulation, notes);
   note_motion(simulation, notes);
   note_strain(simulation, notes);
   note_locking(simulation.scene(), notes);
   note_point_tips(simulation, notes);
   note_increments(simulation, notes);
   note_few_steps(simulation, notes);
+  note_long_ways(simulation, notes);
   note_late(simulation, notes);
   note_cuts(simulation, notes);
   note_excess(simulation, notes);

@@ -329,6 +329,7 @@ ordered_json summarise(MPI_Comm comm,
     entry["reference"] = plain(turn, std::vector{places[i].x})[0];
     entry["world"] = plain(turn, std::vector{world[i]})[0];
     entry["tip_displacement"] = norm(seed.displacement);
+    entry["turned_over"] = seed.turned_over;
     for (const auto& target : scene.targets) {
       if (target.name != seed.target) continue;
       entry["target"] = target.name;
@@ -345,7 +346,7 @@ ordered_json summarise(MPI_Comm comm,
     summary["fallbacks"] = counts.needle.fallbacks;
     summary["punctures"] = counts.needle.punctures;
     summary["pattern_rebuilds"] = counts.pattern_rebuilds;
-    summary["deformed_inversions"] = counts.deformed_inversions;
+    summary["deformed_inversions"] = simulation.turned_over().triangles;
   }
   const auto add_strain = [&](const char* name, const StrainPeak& peak) {
     summary[name] = {{"value", peak.value},

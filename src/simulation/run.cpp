@@ -111,9 +111,10 @@ void print(const Scene& scene,
     if (!seed.contains("placement_error")) continue;
     const std::string quantity = "seeds." + std::to_string(i) + ".placement_error";
     known = known && summary.contains("uncertainty") && summary["uncertainty"].contains(quantity);
-    std::printf("placement error of the seed for '%s': %s\n",
+    std::printf("placement error of the seed for '%s': %s%s\n",
                 seed["target"].get<std::string>().c_str(),
-                shown_with(summary, quantity, 1e3, "mm").c_str());
+                shown_with(summary, quantity, 1e3, "mm").c_str(),
+                distrust(seed["turned_over"].get<int>()).c_str());
   }
   if (summary.contains("peak_needle_force")) {
     std::printf("peak needle force: %s\n",

@@ -15,10 +15,10 @@ std::optional<double> error_of(const SeedScore& seed) {
   return std::isnan(seed.error_now) ? std::nullopt : std::optional(seed.error_now);
 }
 
-std::string line(const char* what, double value, const char* unit) {
-  char text[120];
-  std::snprintf(text, sizeof text, "%s: %.3g %s\n", what, value, unit);
-  return text;
+std::string line(const std::string& what, double value, const std::string& unit) {
+  char text[40];
+  std::snprintf(text, sizeof text, ": %.3g ", value);
+  return what + text + unit + '\n';
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ Score score_of(const Simulation& simulation) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Seed& seed = simulation.seeds()[i];
     const auto target = std::ranges::find(scene.targets, seed.target, &Target::name);
-    SeedScore entry{seed.target, seed.time, std::nan(""), {}};
+    SeedScore entry{seed.target, seed.time, std::nan(""), {}, seed.turned_over};
     if (target != scene.targets.end()) {
       entry.error_now = norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y});
       if (comes_to_rest) entry.error_at_rest = distance(places[i].x, target->point);
@@ -60,15 +60,24 @@ Score score_of(const Simulation& simulation) {
   return score;
 }
 
+std::string distrust(int turned_over) {
+  if (turned_over == 0) return {};
+  return ", NOT TO BE TRUSTED: beyond small strain, triangles turned over: " +
+         std::to_string(turned_over);
+}
+
 std::string text_of(const Score& score) {
   std::string text;
   for (const SeedScore& seed : score.seeds) {
     const auto error = error_of(seed);
     if (!error) continue;
-    text += line(("seed for '" + seed.target + "' at rest").c_str(), 1e3 * *error, "mm off");
+    text += line("seed for '" + seed.target + "' at rest", 1e3 * *error,
+                 "mm off" + distrust(seed.turned_over));
   }
   for (const auto& target : score.missed) text += "target '" + target + "' has no seed\n";
-  if (score.mean_error) text += line("mean error", 1e3 * *score.mean_error, "mm");
+  const auto most = std::ranges::max_element(score.seeds, {}, &SeedScore::turned_over);
+  const std::string doubt = most == score.seeds.end() ? "" : distrust(most->turned_over);
+  if (score.mean_error) text += line("mean error", 1e3 * *score.mean_error, "mm" + doubt);
   text += line("largest force", score.largest_force, "N");
   text += line("time", score.time, "s");
   return text;
@@ -78,7 +87,8 @@ nlohmann::ordered_json json_of(const Score& score) {
   nlohmann::ordered_json json;
   json["seeds"] = nlohmann::ordered_json::array();
   for (const SeedScore& seed : score.seeds) {
-    nlohmann::ordered_json entry{{"target", seed.target}, {"time", seed.time}};
+    nlohmann::ordered_json entry{
+        {"target", seed.target}, {"time", seed.time}, {"turned_over", seed.turned_over}};
     if (!std::isnan(seed.error_now)) entry["error_now"] = seed.error_now;
     if (seed.error_at_rest) entry["error_at_rest"] = *seed.error_at_rest;
     json["seeds"].push_back(std::move(entry));

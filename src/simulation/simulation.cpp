@@ -2,7 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/geometry/triangle.hpp"
+#include "stylet/petsc/gather.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
@@ -120,6 +120,7 @@ StepRecord Simulation::step_unguarded() {
   const double wanted = scene_.time.step;
   const bool is_implicit = scene_.time.method == TimeMethod::implicit_newmark;
   double longest = std::min(wanted, body_.stable_step());
+  const double tip = needle_ ? needle_->tip() : 0;
   // Sub-steps need not fill the step exactly: the nearest whole number of them does.
   while (!done_ && hand_->ended() == ended && record.h + 0.5 * longest < wanted) {
     const SubStep sub = take_step(body_, *hand_, needle_ ? &*needle_ : nullptr, longest);
@@ -133,8 +134,11 @@ StepRecord Simulation::step_unguarded() {
     if (is_implicit && next > longest) hand_->choose_step_anew();
     longest = next;
   }
+  if (live_ && needle_) count_push(needle_->tip() - tip, record.h);
   act_without_time();
-  if (done_ || hand_->ended() != ended || time() >= next_strain_) watch_strain();
+  if (live_) watch_all(gather_all(body().state().u.get()));
+  const bool has_ended = !live_ && hand_->ended() != ended;  // a hand and its recording end apart
+  if (done_ || has_ended || time() >= next_strain_) watch_strain();
   if (done_ || track_energy_) body_.weigh(done_);
   record.t = time();
   if (record.sub_steps > 0) ++counts_.steps;
@@ -149,7 +153,7 @@ void Simulation::count(const SubStep& step) {
     const NeedleCounts before = counts_.needle;
     counts_.needle = earlier_needles_ + needle_->counts();
     count_forces(step.needle.forces, counts_.needle.punctures > before.punctures);
-    count_deformed_inversions();
+    watch_tip();
   }
   const MeshRewrites& rewrites = body_.rewrites();
   counts_.edge_flips = rewrites.edge_flips;
@@ -160,17 +164,25 @@ void Simulation::count(const SubStep& step) {
   }
 }
 
-// At evenly spaced moments and at the end of every action: a look at all triangles costs about as much
-// as a whole step.
+// At evenly spaced moments and at the end of every action, of a hand with every seed: a look at all strains
+// costs about as much as a whole step.
 void Simulation::watch_strain() {
   constexpr double moments = 32;
   constexpr double live_interval = 0.1;  // s
   const double interval = expected_time_ / moments;
-  next_strain_ = time() + (interval > 0 ? interval : live_interval);
+  next_strain_ = time() + (interval > 0 && !live_ ? interval : live_interval);
   const auto u = gather_all(body().state().u.get());
   const bool is_in = needle_ && !needle_->track().empty();
   raise(largest_strain_, mesh(), u, time(), is_in ? &needle_->track() : nullptr,
         is_in ? needle_->parameters().cutting.tip_length : 0);
+  watch_all(u);
+}
+
+void Simulation::count_push(double way, double duration) {
+  if (!(way > 0)) return;
+  Pushing& pushing = pushings_.back();
+  pushing.duration += duration;
+  pushing.furthest = std::max(pushing.furthest, way);
 }
 
 // Enters needles, implants seeds, changes numbers, and ends the run.
@@ -238,6 +250,11 @@ void Simulation::enter(const NeedleParameters& parameters) {
   body_.apply(needle_->enter(entry, body_.view(nodes)), &needle_->track());
   largest_tip_force_ = 0;
   last_friction_ = 0;
+  since_entered_ = {};
+  if (live_) {
+    entered_.push_back(parameters);
+    pushings_.push_back({parameters.name});
+  }
   hand_->entered(needle_->skin(), Axis::along(entry.x));
 }
 
@@ -261,9 +278,15 @@ void Simulation::implant(const std::string& target) {
       std::ranges::find(scene_.targets, target, &Target::name) == scene_.targets.end()) {
     throw InputError("a seed for target '" + target + "', which the scene does not have");
   }
+  if (live_) {
+    watch_strain();
+  } else {
+    watch_all(gather_all(body().state().u.get()));
+  }
   const bool only = target.empty() && scene_.targets.size() == 1;
   seeds_.push_back(
       leave_seed(body_, *needle_, only ? scene_.targets[0].name : target, largest_tip_force_));
+  seeds_.back().turned_over = since_entered_.triangles;
   hand_->implanted();
 }
 
@@ -288,17 +311,26 @@ void Simulation::count_forces(const NeedleForces& forces, bool punctured) {
   }
 }
 
-void Simulation::count_deformed_inversions() {
+void Simulation::watch_tip() {
   if (needle_->tip_contact() == TipContact::open) return;
   const auto nodes = needle_->watched();
   const NeedleView view = body_.view(nodes);
-  int inverted = 0;
+  TurnedOver seen;
+  seen.time = time();
   for (const int c : mesh().cells_around(needle_->track().tip())) {
     const auto n = mesh().cell(c);
-    const auto x = [&](std::size_t i) { return displaced(mesh().point(n[i]), view.at(n[i]).u); };
-    if (signed_area(x(0), x(1), x(2)) <= 0) ++inverted;
+    if (is_turned_over(mesh(), c, {view.at(n[0]).u, view.at(n[1]).u, view.at(n[2]).u})) {
+      seen.add(mesh(), c);
+    }
   }
-  counts_.deformed_inversions = std::max(counts_.deformed_inversions, inverted);
+  turned_over_.raise(seen);
+  since_entered_.raise(seen);
+}
+
+void Simulation::watch_all(std::span<const double> u) {
+  turned_over_now_ = stylet::turned_over(mesh(), u, time());
+  turned_over_.raise(turned_over_now_);
+  since_entered_.raise(turned_over_now_);
 }
 
 double Simulation::fraction() const {

@@ -1,6 +1,7 @@
 #include "stylet/simulation/strain.hpp"
 
 #include "stylet/fem/element.hpp"
+#include "stylet/geometry/triangle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,6 +67,34 @@ class Zone {
 };
 
 }  // namespace
+
+void TurnedOver::add(const Mesh& mesh, int cell) {
+  if (triangles++ == 0) place = centre_of(mesh, cell);
+  area += mesh.cell_measure(cell);
+}
+
+bool is_turned_over(const Mesh& mesh, int cell, const std::array<Vector2, 3>& displacements) {
+  const auto nodes = mesh.cell(cell);
+  const auto x = [&](std::size_t k) { return displaced(mesh.point(nodes[k]), displacements[k]); };
+  return signed_area(x(0), x(1), x(2)) <= 0;
+}
+
+TurnedOver turned_over(const Mesh& mesh, std::span<const double> u, double time) {
+  TurnedOver all;
+  all.time = time;
+  std::vector<WorldPoint> x;
+  x.reserve(static_cast<std::size_t>(mesh.n_nodes()));
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    const auto at = 2 * static_cast<std::size_t>(node);
+    x.push_back(displaced(mesh.point(node), {u[at], u[at + 1]}));
+  }
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const auto nodes = mesh.cell(c);
+    const auto corner = [&](std::size_t k) { return x[static_cast<std::size_t>(nodes[k])]; };
+    if (signed_area(corner(0), corner(1), corner(2)) <= 0) all.add(mesh, c);
+  }
+  return all;
+}
 
 void raise(LargestStrain& largest,
            const Mesh& mesh,

@@ -92,9 +92,10 @@ Wishes Display::draw(const Frame& frame, const DrawingPace& pace, bool paused) {
   const double panel = panel_width(look, width_);
   const Pane beside{width_ - panel, 0, panel, height_};
   Wishes wishes = draw_panel(frame, pace, paused, beside, look);
-  for (auto& order : draw_messages(frame, camera.pane()).orders) {
-    wishes.orders.push_back(std::move(order));
-  }
+  Wishes more = draw_messages(frame, camera.pane());
+  for (auto& order : more.orders) wishes.orders.push_back(std::move(order));
+  wishes.widgets.merge(more.widgets);
+  widgets_ = wishes.widgets;
   draw_help(camera.pane(), look);
   draw_overlay(frame, {look.contacts, look.names, look.size, largest_, planned}, camera);
   ImGui::Render();

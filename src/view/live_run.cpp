@@ -2,6 +2,8 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/simulation/model.hpp"
+#include "stylet/simulation/notes.hpp"
+#include "stylet/view/method_choice.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +47,7 @@ std::string next_free(const std::string& name) {
 
 LiveRun::LiveRun(MPI_Comm comm, LiveOptions options) : comm_(comm), options_(std::move(options)) {
   load();
-  begin(true);
+  begin_with_method();
   if (!options_.plan) return;
   planned_ = ways_of(options_.plan->load(), simulation_->mesh());
 }
@@ -63,6 +65,23 @@ void LiveRun::load() {
   }
   log_.reset();
   folder_.clear();
+}
+
+void LiveRun::begin_with_method() {
+  // What was recorded goes on as it was.
+  const std::string asked =
+      scene_.procedure && options_.method == "auto" ? std::string() : options_.method;
+  const int n_triangles =
+      asked == "auto" ? make_mesh(comm_, in_needle_frame(scene_)).mesh.n_cells() : 0;
+  const MethodChoice choice = method_choice(asked, method(), n_triangles);
+  if (choice.method == method()) {
+    begin(true);
+    method_reason_ = choice.reason;
+    return;
+  }
+  begin(false);  // to be asked for its damping
+  choose_method(choice.method);
+  if (method() == choice.method) method_reason_ = choice.reason;
 }
 
 void LiveRun::take_models() {
@@ -97,6 +116,7 @@ void LiveRun::begin(bool records) {
   const double speed = fastest(scene_);
   hand_->limit_speed(speed > 0 ? margin * speed : usual);
   simulation_ = std::make_unique<Simulation>(comm_, std::move(live), false, std::move(hand));
+  longest_way_ = stylet::longest_way(simulation_->mesh(), models_.front());
   height_ = models_.front().height;
   has_entered_ = false;
   approach_ = approach_of(*simulation_, next_needle());

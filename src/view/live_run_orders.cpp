@@ -1,6 +1,7 @@
 // What is done between the steps of a LiveRun: seeds, changes, undo.
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/simulation/notes.hpp"
 #include "stylet/solvers/modes.hpp"
 #include "stylet/view/live_run.hpp"
 
@@ -52,6 +53,8 @@ void LiveRun::choose_method(const std::string& method) {
                   mass_factor);
     damping = text;
   }
+  const std::string reason_before = method_reason_;
+  method_reason_ = "chosen by hand";
   std::string refused;
   try {
     load();
@@ -59,6 +62,7 @@ void LiveRun::choose_method(const std::string& method) {
   } catch (const InputError& error) {
     refused = error.what();
     method_overrides_ = before;
+    method_reason_ = before.empty() ? "the scene's" : reason_before;
     load();
     begin(true);
   }
@@ -147,12 +151,18 @@ void LiveRun::restart() {
 }
 
 Score LiveRun::finish() {
+  if (!simulation_->done()) {
+    hand_->finish();
+    last_ = simulation_->step();
+  }
   Score score = score_of(*simulation_);
   if (log_) {
     log_->flush();
     const std::string path = folder_ + "/score.json";
     std::ofstream out(path);
-    out << json_of(score).dump(2) << '\n';
+    auto json = json_of(score);
+    json["notes"] = notes_of(*simulation_);
+    out << json.dump(2) << '\n';
     if (!out.flush()) throw IoError(path + ": cannot be written");
   }
   return score;

@@ -174,6 +174,7 @@ void LiveSession::offer(const LiveRun& run) {
 void LiveSession::live(MPI_Comm comm, LiveOptions options) {
   LiveRun run(comm, std::move(options));
   planned_ = run.planned();
+  method_ = method_words(run);
   picture_ = picture_of(run.simulation().scene(), run.simulation().mesh());
   offer(run);
   {
@@ -200,9 +201,10 @@ void LiveSession::live(MPI_Comm comm, LiveOptions options) {
     const double now = clock_seconds();
     behind = stands ? 0 : behind + now - last;
     last = now;
-    if (behind > most_behind) {
-      pace_.lost += behind - most_behind;
-      behind = most_behind;
+    // One step at least, however long.
+    if (const double most = std::max(most_behind, run.step_length()); behind > most) {
+      pace_.lost += behind - most;
+      behind = most;
     }
     const bool steps = !stands && error_.empty() && behind >= run.step_length();
     if (steps && step(run)) behind -= run.last_step().h;

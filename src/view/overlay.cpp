@@ -162,7 +162,8 @@ class Overlay {
       list_.AddRect({c.x - r, c.y - r}, {c.x + r, c.y + r}, white, 0, 0, 1.5F * unit_);
       if (!look_.names || !seed.error_now) continue;
       char words[40];
-      std::snprintf(words, sizeof words, "%.1f mm", 1e3 * *seed.error_now);
+      std::snprintf(words, sizeof words, "%.1f mm%s", 1e3 * *seed.error_now,
+                    seed.turned_over > 0 ? ", not to be trusted" : "");
       text({c.x - 3 * r, c.y + 1.6F * r}, white, words);
     }
   }

@@ -39,6 +39,14 @@ void row(const char* name, const char* format, Values... values) {
   ImGui::Text(format, values...);
 }
 
+/// Of what was drawn last, where it is not scrolled away.
+void note_place(Wishes& wishes, const std::string& name) {
+  if (!ImGui::IsItemVisible()) return;
+  const ImVec2 from = ImGui::GetItemRectMin();
+  const ImVec2 size = ImGui::GetItemRectSize();
+  wishes.widgets[name] = {from.x, from.y, size.x, size.y};
+}
+
 std::string length_text(const std::optional<double>& metres) {
   if (!metres) return "unknown";
   char text[40];
@@ -46,7 +54,7 @@ std::string length_text(const std::optional<double>& metres) {
   return text;
 }
 
-void placement(const Frame& frame) {
+void placement(const Frame& frame, Wishes& wishes) {
   for (const ShownTarget& target : frame.targets) {
     if (!target.has_seed) row(target.name.c_str(), "%s", "no seed yet");
   }
@@ -56,9 +64,16 @@ void placement(const Frame& frame) {
       continue;
     }
     ImGui::TextUnformatted(("seed for " + seed.target).c_str());
+    if (seed.turned_over > 0) {
+      ImGui::TextColored(warning, "  NOT TO BE TRUSTED: beyond small");
+      note_place(wishes, "distrust of " + seed.target);
+      ImGui::TextColored(warning, "  strain, triangles turned over: %d", seed.turned_over);
+    }
     row("  error now", "%.2f mm", 1e3 * seed.error_now.value_or(0));
     row("  at rest", "%s", length_text(seed.error_at_rest).c_str());
-    row("  its band", "%s", seed.band ? ("± " + length_text(seed.band)).c_str() : "unknown");
+    row("  scene's own band", "%s",
+        seed.band ? ("± " + length_text(seed.band)).c_str() : "unknown");
+    note_place(wishes, "band of " + seed.target);
   }
 }
 
@@ -66,8 +81,9 @@ void forces(const Frame& frame) {
   row("tip", "%.2f N%s", frame.tip_force, frame.needle.at_membrane ? " at the capsule" : "");
   row("shaft", "%.2f N", frame.shaft_force);
   row("largest so far", "%.2f N", frame.peak_force);
-  if (frame.inverted > 0) {
-    ImGui::TextColored(warning, "beyond small strain: %d triangles turned over", frame.inverted);
+  if (frame.most_inverted > 0) {
+    ImGui::TextColored(warning, "beyond small strain: triangles turned");
+    ImGui::TextColored(warning, "over: %d now, %d at most", frame.inverted, frame.most_inverted);
   }
   row("shaft points", "%d stick, %d slide", frame.n_stick, frame.n_slip);
   const float height = 5 * ImGui::GetFontSize();
@@ -84,22 +100,36 @@ void forces(const Frame& frame) {
             1e3, height);
 }
 
+constexpr double longest_shown_step = 1.0 / 24;  // s; the paper's window shows as many pictures
+
 void pace_of(const Frame& frame, const DrawingPace& drawing, bool paused) {
   const Pace& pace = frame.pace;
   row("time", "%.2f s", frame.time);
   row("step", "%.3g ms, %.3g sub-steps", 1e3 * pace.step, pace.sub_steps);
+  row("its way at the limit", "%.3g mm", 1e3 * frame.way);
+  if (frame.way > frame.longest_way) {
+    ImGui::TextColored(warning, "coarse: %.3g mm are felt as one", 1e3 * frame.longest_way);
+  }
+  if (pace.step > longest_shown_step) {
+    ImGui::TextColored(warning, "the tissue moves %.3g times a second", 1 / pace.step);
+  }
   if (drawing.frames_per_second <= 0) return;
   row("frames", "%.0f a second", drawing.frames_per_second);
   row("sub-steps a frame", "%.1f",
       pace.real_time_factor * pace.sub_steps / pace.step / drawing.frames_per_second);
   row("busy with steps", "%.0f %%", 100 * pace.busy);
-  if (drawing.delay > 0) row("hand to picture", "%.0f ms", 1e3 * drawing.delay);
+  // Always as many rows, so that sliders do not move away from under the mouse.
+  if (drawing.delay > 0) {
+    row("hand to picture", "%.0f ms", 1e3 * drawing.delay);
+  } else {
+    row("hand to picture", "%s", "unknown");
+  }
   constexpr double slow = 0.97;
   if (paused || !frame.error.empty()) {
     row("real time", "%s", "stands still");
   } else if (pace.real_time_factor < slow) {
-    ImGui::TextColored(warning, "slower than real time: %.2f x", pace.real_time_factor);
-    if (frame.method != "quasi_static") ImGui::TextUnformatted("quasi_static is quicker (M)");
+    ImGui::TextColored(warning, "slower than real time: %.2f x%s", pace.real_time_factor,
+                       frame.method == "quasi_static" ? "" : "; quasi_static is quicker");
   } else {
     row("real time", "%.2f x", pace.real_time_factor);
   }
@@ -114,6 +144,7 @@ void method(const Frame& frame, Wishes& wishes) {
     }
     if (name != names.back()) ImGui::SameLine();
   }
+  ImGui::TextWrapped("%s: %s", frame.method.c_str(), frame.method_reason.c_str());
 }
 
 // The last part of a key, of regions with their name.
@@ -135,16 +166,22 @@ void sliders(const Frame& frame, Wishes& wishes) {
         (short_name(parameter.key) + (parameter.new_operator ? " *" : "")).c_str());
     ImGui::SameLine(0.55F * ImGui::GetWindowWidth());
     ImGui::SetNextItemWidth(-1);
-    ImGui::SliderFloat(("##" + parameter.key).c_str(), &value,
-                       static_cast<float>(parameter.low / factor),
-                       static_cast<float>(parameter.high / factor), ("%.3g " + unit).c_str(),
-                       parameter.low > 0 ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+    const std::string name = "##" + parameter.key;
+    ImGuiStorage& last = *ImGui::GetStateStorage();
+    const ImGuiID id = ImGui::GetID(name.c_str());
+    const bool moved = ImGui::SliderFloat(
+        name.c_str(), &value, static_cast<float>(parameter.low / factor),
+        static_cast<float>(parameter.high / factor), ("%.3g " + unit).c_str(),
+        parameter.low > 0 ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+    note_place(wishes, parameter.key);
+    // When the button is let go the slider has the number of the frame again.
+    if (moved || ImGui::IsItemActive()) last.SetFloat(id, value);
     if (ImGui::IsItemHovered()) {
       ImGui::SetTooltip("%s\n%s", parameter.key.c_str(), parameter.doc.c_str());
     }
     if (ImGui::IsItemDeactivatedAfterEdit()) {
-      wishes.orders.emplace_back(
-          [key = parameter.key, si = factor * value](LiveRun& run) { run.change(key, si); });
+      wishes.orders.emplace_back([key = parameter.key, si = factor * last.GetFloat(id)](
+                                     LiveRun& run) { run.change(key, si); });
     }
   }
 }
@@ -186,7 +223,11 @@ Wishes draw_panel(
   ImGui::SameLine();
   if (ImGui::Button("Keys (H)")) look.help = !look.help;
   row("needle", "%s%s", frame.needle.phase.c_str(), frame.replays ? ", recorded" : "");
-  if (ImGui::CollapsingHeader("Placement", ImGuiTreeNodeFlags_DefaultOpen)) placement(frame);
+  if (ImGui::CollapsingHeader("Placement", ImGuiTreeNodeFlags_DefaultOpen))
+    placement(frame, wishes);
+  if (!frame.notes.empty() && ImGui::CollapsingHeader("Notes", ImGuiTreeNodeFlags_DefaultOpen)) {
+    for (const auto& note : frame.notes) ImGui::TextWrapped("%s", note.c_str());
+  }
   if (ImGui::CollapsingHeader("Forces", ImGuiTreeNodeFlags_DefaultOpen)) forces(frame);
   if (ImGui::CollapsingHeader("Time", ImGuiTreeNodeFlags_DefaultOpen)) {
     pace_of(frame, pace, paused);
@@ -216,12 +257,17 @@ Wishes draw_messages(const Frame& frame, const Pane& pane) {
     ImGui::PushStyleColor(ImGuiCol_Text, warning);
     ImGui::TextWrapped("The simulation stopped: %s", frame.error.c_str());
     ImGui::PopStyleColor();
-    if (frame.can_undo && ImGui::Button("Undo the last seed or needle (U)")) {
-      wishes.orders.emplace_back([](LiveRun& run) { run.undo(); });
+    note_place(wishes, "error");
+    if (frame.can_undo) {
+      if (ImGui::Button("Undo the last seed or needle (U)")) {
+        wishes.orders.emplace_back([](LiveRun& run) { run.undo(); });
+      }
+      note_place(wishes, "undo after an error");
+      ImGui::SameLine();
     }
-    ImGui::SameLine();
-    if (ImGui::Button("All anew (R)"))
+    if (ImGui::Button("All anew (R)")) {
       wishes.orders.emplace_back([](LiveRun& run) { run.restart(); });
+    }
   } else {
     ImGui::TextWrapped("%s", frame.notice.c_str());
   }
@@ -231,7 +277,7 @@ Wishes draw_messages(const Frame& frame, const Pane& pane) {
 
 void draw_help(const Pane& pane, Look& look) {
   if (!look.help) return;
-  constexpr std::array<std::pair<const char*, const char*>, 18> keys{
+  constexpr std::array<std::pair<const char*, const char*>, 19> keys{
       {{"mouse, left button", "hold the needle: push and pull it"},
        {"mouse, no button", "choose a height while the needle is outside"},
        {"mouse, right button", "leave a seed at the tip"},
@@ -249,6 +295,7 @@ void draw_help(const Pane& pane, Look& look) {
        {"[ and ]", "speed limit of the hand"},
        {"Ctrl with + or -", "size of letters"},
        {"B, X", "panel; save a picture of the window"},
+       {"Ctrl with Q", "end: the score, and where the recording is"},
        {"H", "this list"}}};
   const float letter = ImGui::GetFontSize();
   ImGui::SetNextWindowPos({static_cast<float>(pane.left + 0.5 * pane.width),

@@ -129,9 +129,9 @@ void Player::draw() {
   frame_.error = error_;
   frame_.pace.step = run_.step_length();
   frame_.pace.sub_steps = static_cast<double>(run_.last_step().sub_steps);
-  // The first time a window of Dear ImGui learns its size, the second time it uses it.
-  (void)display_.draw(frame_, {}, false);
-  (void)display_.draw(frame_, {}, false);
+  // Windows of Dear ImGui learn the width of their text, then their height from it, and then have both.
+  constexpr int times = 3;
+  for (int i = 0; i < times; ++i) (void)display_.draw(frame_, {}, false);
 }
 
 void Player::screenshot(const std::string& name) {
@@ -140,7 +140,7 @@ void Player::screenshot(const std::string& name) {
   }
   draw();
   save_framebuffer(folder_ + "/" + name + ".png", size_.width, size_.height);
-  write_places(folder_ + "/" + name + ".json", frame_, display_.camera);
+  write_places(folder_ + "/" + name + ".json", frame_, display_.camera, display_.widgets());
 }
 
 void Player::play(const std::vector<ScriptLine>& lines) {

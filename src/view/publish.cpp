@@ -1,9 +1,9 @@
 #include "stylet/view/publish.hpp"
 
-#include "stylet/geometry/triangle.hpp"
 #include "stylet/petsc/gather.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/cell_stress.hpp"
+#include "stylet/simulation/notes.hpp"
 
 #include <algorithm>
 #include <array>
@@ -49,17 +49,12 @@ void publish_tissue(const LiveRun& run, Colouring colouring, Frame& frame) {
   frame.triangles.resize(3 * n_cells);
   frame.colouring = colouring;
   frame.colour.resize(colouring == Colouring::none ? 0 : n_cells);
-  frame.inverted = 0;
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const auto i = static_cast<std::size_t>(c);
-    std::array<WorldPoint, 3> corner;
     for (std::size_t k = 0; k < 3; ++k) {
       const int node = mesh.cell(c)[k];
-      const auto at = 2 * static_cast<std::size_t>(node);
       frame.triangles[3 * i + k] = static_cast<std::uint32_t>(node);
-      corner[k] = displaced(mesh.point(node), {u[at], u[at + 1]});
     }
-    if (signed_area(corner[0], corner[1], corner[2]) <= 0) ++frame.inverted;
     if (colouring != Colouring::none) {
       frame.colour[i] = static_cast<float>(colour_of(simulation, colouring, c, u));
     }
@@ -111,12 +106,13 @@ void publish_seeds(const LiveRun& run, Frame& frame) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Seed& seed = simulation.seeds()[i];
     ShownSeed shown{turn.to_scene(world[i]), seed.needle, seed.target};
+    shown.turned_over = seed.turned_over;
     const auto target = std::ranges::find(targets, seed.target, &Target::name);
     if (target != targets.end()) {
       shown.error_now = norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y});
       // Linear tissue that nothing acts on goes back to where it was (src/MODEL.md, section 9).
       if (comes_to_rest) shown.error_at_rest = distance(places[i].x, target->point);
-      shown.band = run.band(seed.target);
+      if (seed.turned_over == 0) shown.band = run.band(seed.target);
       frame.targets[static_cast<std::size_t>(target - targets.begin())].has_seed = true;
     }
     frame.seeds.push_back(std::move(shown));
@@ -140,13 +136,17 @@ std::vector<ShownParameter> parameters_of(const LiveRun& run) {
   return shown;
 }
 
+std::string method_words(const LiveRun& run) {
+  return "method: " + run.method() + " (" + run.method_reason() + ")\n";
+}
+
 std::string last_words(LiveRun& run) {
   const Score score = run.finish();
   std::string words = run.simulation().seeds().empty() ? std::string() : text_of(score);
-  if (!words.empty() && words.back() != '\n') words += '\n';
+  for (const std::string& note : notes_of(run.simulation())) words += "note: " + note + '\n';
   if (!run.folder().empty()) {
     words += "recorded in " + run.folder() + "; the same again: stylet run " + run.folder() +
-             "/scene.yaml, or stylet view with it\n";
+             "/scene.yaml --output " + run.folder() + "/run, or stylet view with the scene\n";
   }
   return words;
 }
@@ -155,6 +155,7 @@ void publish(const LiveRun& run, Colouring colouring, Frame& frame) {
   const Simulation& simulation = run.simulation();
   frame.time = simulation.time();
   frame.method = run.method();
+  frame.method_reason = run.method_reason();
   publish_tissue(run, colouring, frame);
   publish_needle(run, frame);
   publish_seeds(run, frame);
@@ -166,6 +167,11 @@ void publish(const LiveRun& run, Colouring colouring, Frame& frame) {
   frame.peak_force = simulation.counts().peak_needle_force;
   frame.punctures = simulation.counts().needle.punctures;
   frame.worst_quality = simulation.counts().worst_quality;
+  frame.inverted = simulation.turned_over_now().triangles;
+  frame.most_inverted = simulation.turned_over().triangles;
+  frame.way = run.speed_limit() * run.step_length();
+  frame.longest_way = run.longest_way();
+  frame.notes = notes_of(simulation);
   frame.parameters = parameters_of(run);
   frame.history = run.trace().samples();
   frame.can_undo = run.can_undo();

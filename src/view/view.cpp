@@ -19,6 +19,7 @@ namespace {
 void play_script(MPI_Comm comm, LiveOptions live, const ViewOptions& options) {
   const auto lines = read_script(options.script, read_on_all(comm, options.script));
   LiveRun run(comm, std::move(live));
+  std::fputs(method_words(run).c_str(), stdout);
   std::error_code fault;
   std::filesystem::create_directories(options.frames, fault);
   if (fault) throw IoError(options.frames + ": " + fault.message());
@@ -39,7 +40,10 @@ void open_window(MPI_Comm comm, LiveOptions live, const ViewOptions& options) {
   window.height = options.size.height;
   window.letters = options.letters;
   if (options.seconds > 0) window.seconds = options.seconds;
+  check_display();
   LiveSession session(comm, std::move(live));
+  std::fputs(session.method().c_str(), stdout);
+  std::fflush(stdout);
   const WindowReport report = show_window(session, window);
   std::fputs(session.end().c_str(), stdout);
   if (options.seconds <= 0) return;

@@ -22,7 +22,7 @@ namespace {
 class Glfw {
  public:
   explicit Glfw(const WindowOptions& options) {
-    if (glfwInit() != GLFW_TRUE) fail("no window");
+    start();
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -38,6 +38,9 @@ class Glfw {
   Glfw& operator=(const Glfw&) = delete;
   ~Glfw() { glfwTerminate(); }
   [[nodiscard]] GLFWwindow* window() const { return window_; }
+  static void start() {
+    if (glfwInit() != GLFW_TRUE) fail("no window");
+  }
 
  private:
   [[noreturn]] static void fail(const char* what) {
@@ -200,7 +203,7 @@ class Window {
   }
 
   void wheel(double turns) {
-    if (ImGui::GetIO().WantCaptureMouse) return;
+    if (ImGui::GetIO().WantCaptureMouse || !display_.camera.pane().holds(mouse_)) return;
     display_.camera.zoom(std::pow(1.15, turns), mouse_);
   }
 
@@ -240,6 +243,7 @@ class Window {
       const std::string next = methods[static_cast<std::size_t>(now - methods.begin() + 1) % 3];
       session_.order([next](LiveRun& run) { run.choose_method(next); });
     }
+    if (key == GLFW_KEY_Q && control) glfwSetWindowShouldClose(glfw_.window(), GLFW_TRUE);
     if (key == GLFW_KEY_P) pause();
     if (key == GLFW_KEY_F) display_.fit(frame_);
     if (key == GLFW_KEY_C)
@@ -258,7 +262,7 @@ class Window {
     glfwGetFramebufferSize(glfw_.window(), &width, &height);
     const std::string name = "stylet-" + std::to_string(++n_saved_);
     save_framebuffer(name + ".png", width, height);
-    write_places(name + ".json", frame_, display_.camera);
+    write_places(name + ".json", frame_, display_.camera, display_.widgets());
     std::printf("%s.png, %s.json\n", name.c_str(), name.c_str());
     std::fflush(stdout);
   }
@@ -288,6 +292,11 @@ class Window {
 };
 
 }  // namespace
+
+void check_display() {
+  Glfw::start();
+  glfwTerminate();
+}
 
 WindowReport show_window(LiveSession& session, const WindowOptions& options) {
   return Window(session, options).show();

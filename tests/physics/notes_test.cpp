@@ -36,6 +36,25 @@ TEST(Notes, NameTheStrainWhereItIsLarge) {
       one, testing::ElementsAre(AllOf(HasSubstr("strain exceeded 50 % on"), HasSubstr("at t = "))));
 }
 
+TEST(Notes, NameTrianglesThatAreTurnedOver) {
+  // A block of 4 cm, pushed together evenly: by less than its length none, by more all.
+  const auto of = [](const std::string& displacement) {
+    Simulation simulation(MPI_COMM_WORLD,
+                          scene_of(stretched, {"prescribed.0.displacement.0=" + displacement}),
+                          false);
+    run_to_end(simulation);
+    return std::pair(simulation.turned_over(), notes_of(simulation));
+  };
+  const auto [none, before] = of("-39 mm");
+  EXPECT_EQ(none.triangles, 0);
+  EXPECT_THAT(before, Not(testing::Contains(HasSubstr("turned over"))));
+  const auto [all, after] = of("-41 mm");
+  EXPECT_EQ(all.triangles, 16);
+  EXPECT_NEAR(all.area, 8e-4, 1e-12);
+  EXPECT_THAT(after, testing::Contains(AllOf(HasSubstr("16 triangles were turned over"),
+                                             HasSubstr("100 % of the tissue"))));
+}
+
 TEST(Notes, AreRare) {
   Simulation reference(MPI_COMM_WORLD, reference_scene(), false);
   run_to_end(reference);

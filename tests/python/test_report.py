@@ -94,6 +94,20 @@ class Report(CliTest):
         page = self.page("out")
         self.assertIn("5.965 ± 0.040 N (mesh 0.040, step 0.000)", page.text)
 
+    def test_a_seed_beyond_small_strain(self):
+        self.write("needle.yaml", NEEDLE_SCENE)
+        soft = [word for region in ("gland", "surrounding")
+                for word in ("--set", f"tissue.regions.{region}.youngs_modulus=12 kPa")]
+        outcome = self.stylet("run", "needle.yaml", "--output", "out", *soft)
+        self.assert_code(outcome, DONE)
+        summary = json.loads((self.folder / "out/summary.json").read_text())
+        over = summary["seeds"][0]["turned_over"]
+        self.assertGreater(over, 0)
+        self.assertRegex(outcome.out, rf"placement error.* mm, NOT TO BE TRUSTED: .*: {over}\n")
+        self.assertIn("note: beyond small strain:", outcome.out)
+        page = self.page("out")
+        self.assertRegex(page.text, rf"placement error of the seed for 'seed'[^:]*not to be trusted: .*: {over}")
+
     def test_a_run_without_needle_and_snapshots(self):
         self.write("block.msh", block_mesh()[0])
         self.write("scene.yaml", BLOCK_SCENE + "probes: {a <b>: [1 cm, 1 cm]}\n")

@@ -57,6 +57,7 @@ struct Outcome {
   double excess = 0;
   double balance = 0;
   std::string text;
+  int turned_over = 0;  ///< most triangles at a time
   std::string breach;
   enum class Kind { completed, refused, broken } kind = Kind::completed;
 };
@@ -70,6 +71,7 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
       const StepRecord step = simulation.step();
       const auto breaches = watch.look(simulation, step);
       outcome.counts = simulation.counts();
+      outcome.turned_over = simulation.turned_over().triangles;
       outcome.excess = simulation.body().ledger().worst_excess();
       outcome.balance =
           simulation.energies().balance_error() / std::max(1e-300, simulation.energies().external);
@@ -87,6 +89,7 @@ void run(const Case& what, bool verbose, Outcome& outcome) {
     }
   } catch (...) {
     outcome.counts = simulation.counts();
+    outcome.turned_over = simulation.turned_over().triangles;
     throw;
   }
 }
@@ -166,7 +169,7 @@ int run_all(const Options& options) {
     std::printf("%zu | %s | %d | %s | %s | %s | %lld | %lld | %.3f | %d | %.1f | %s\n", i,
                 what.name.c_str(), outcome.n_triangles, heights_of(what).c_str(),
                 name_of(what.motion), variant_of(what).c_str(), counts.needle.hand_overs,
-                counts.edge_flips, counts.worst_quality, counts.deformed_inversions, wall,
+                counts.edge_flips, counts.worst_quality, outcome.turned_over, wall,
                 outcome.text.c_str());
     std::printf("EX %zu %.3g %.3g\n", i, outcome.excess, outcome.balance);
     std::fflush(stdout);

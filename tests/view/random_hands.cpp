@@ -80,6 +80,11 @@ class Hand {
       if (i % 8 != 0) continue;
       publish(run_, i % 16 == 0 ? Colouring::von_mises : Colouring::none, frame);
       outcome.inverted_deformed = std::max(outcome.inverted_deformed, frame.inverted);
+      // What was seen is said, too.
+      if (frame.inverted > 0 && (frame.most_inverted < frame.inverted || frame.notes.empty())) {
+        outcome.error = "triangles turned over without a note";
+        break;
+      }
     }
     return outcome;
   }

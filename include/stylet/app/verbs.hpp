@@ -43,6 +43,7 @@ struct ViewArguments {
   std::string record;  ///< empty: out/view-<scene>
   bool records = true;
   std::string plan;
+  std::string method = "auto";
   std::string frames = "out/view";
   std::string size = "1280x800";
   double letters = 1;

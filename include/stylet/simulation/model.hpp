@@ -33,12 +33,14 @@ struct NumberedMesh {
 /// The same of its recorded procedure; empty if there is none.
 [[nodiscard]] std::string procedure_path(const Scene& scene);
 
-/// How long a needle of a recorded procedure is pushed (s).
+/// How a hand pushes a needle.
 struct Pushing {
   std::string needle;
-  double duration = 0;
-  double shortest = std::numeric_limits<double>::infinity();  ///< row: a step ends there
+  double duration = 0;                                        ///< s
+  double shortest = std::numeric_limits<double>::infinity();  ///< s, of a row: a step ends there
+  double furthest = 0;  ///< m, in a step; known once it has been done
 };
+/// Of the needles of a recorded procedure.
 [[nodiscard]] std::vector<Pushing> pushings_of(const Scene& scene);
 
 /// Of an insertion. The reference scene's placement error moves by 0.2 % from 450 steps to 5, by 2 % to 1.

@@ -12,4 +12,8 @@ namespace stylet {
 /// reason for doubt has none.
 [[nodiscard]] std::vector<std::string> notes_of(const Simulation& simulation);
 
+/// How far a needle under a hand should go in a step at most (m): its tip_length, or for a point tip the
+/// length of an element.
+[[nodiscard]] double longest_way(const Mesh& mesh, const NeedleParameters& needle);
+
 }  // namespace stylet

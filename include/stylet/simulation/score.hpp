@@ -16,6 +16,7 @@ struct SeedScore {
   double time = 0;                      ///< of implantation (s)
   double error_now = 0;                 ///< distance in the world (m); none: NaN
   std::optional<double> error_at_rest;  ///< m; where tissue goes back to where it was
+  int turned_over = 0;                  ///< as of Seed; not 0: beyond small strain
 };
 
 struct Score {
@@ -29,6 +30,9 @@ struct Score {
 
 /// Collective.
 [[nodiscard]] Score score_of(const Simulation& simulation);
+/// Said behind every placement error of a seed: that it means nothing where triangles were turned over
+/// (Seed::turned_over); empty if none was.
+[[nodiscard]] std::string distrust(int turned_over);
 /// A few lines.
 [[nodiscard]] std::string text_of(const Score& score);
 [[nodiscard]] nlohmann::ordered_json json_of(const Score& score);

@@ -16,6 +16,7 @@ struct Seed {
   Riders place;          ///< one point
   TipStand tip;
   CuttingParameters cutting;  ///< of the needle
+  int turned_over = 0;        ///< most triangles at a time, from when its needle entered
 };
 
 /// Why a needle cannot leave a seed where it stands; empty if it can. largest_tip_force: so far (N).

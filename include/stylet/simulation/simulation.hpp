@@ -6,6 +6,7 @@
 #include "stylet/scene/scene.hpp"
 #include "stylet/simulation/body.hpp"
 #include "stylet/simulation/hand.hpp"
+#include "stylet/simulation/model.hpp"
 #include "stylet/simulation/seed.hpp"
 #include "stylet/simulation/step.hpp"
 #include "stylet/simulation/strain.hpp"
@@ -33,7 +34,6 @@ struct RunCounts {
   long long iterations = 0;
   long long edge_flips = 0;
   long long pattern_rebuilds = 0;
-  int deformed_inversions = 0;   ///< most inverted deformed elements around the tip at a time
   double worst_quality = 1;      ///< of any element of the reference mesh at any time
   double stable_step = 0;        ///< s; the smallest of the run; explicit only
   double peak_needle_force = 0;  ///< N
@@ -91,6 +91,14 @@ class Simulation {
     return body_.points(seed.place).front();
   }
   [[nodiscard]] const LargestStrain& largest_strain() const { return largest_strain_; }
+  /// Most triangles at a time: of all in every step of a live or recorded hand, else at the moments of
+  /// `largest_strain` and with every seed; around the tip in every sub-step.
+  [[nodiscard]] const TurnedOver& turned_over() const { return turned_over_; }
+  /// As of the last look at all triangles.
+  [[nodiscard]] const TurnedOver& turned_over_now() const { return turned_over_now_; }
+  /// Needles that a hand has let in, and how it pushed them; none without one.
+  [[nodiscard]] const std::vector<NeedleParameters>& entered() const { return entered_; }
+  [[nodiscard]] const std::vector<Pushing>& pushings() const { return pushings_; }
   [[nodiscard]] const RunCounts& counts() const { return counts_; }
   /// Up to date after every step if they are tracked, else as of the last check.
   [[nodiscard]] const Energies& energies() const { return body_.ledger().energies(); }
@@ -121,7 +129,9 @@ class Simulation {
   void implant(const std::string& target);
   void count(const SubStep& step);
   void count_forces(const NeedleForces& forces, bool punctured);
-  void count_deformed_inversions();
+  void count_push(double way, double duration);
+  void watch_tip();
+  void watch_all(std::span<const double> u);
   void watch_strain();
   void archive(Archive& archive);
 
@@ -142,6 +152,11 @@ class Simulation {
   double expected_time_ = 0;      ///< s
   double next_strain_ = 0;        ///< time of the next look at all strains (s)
   LargestStrain largest_strain_;
+  TurnedOver turned_over_;
+  TurnedOver turned_over_now_;
+  TurnedOver since_entered_;  ///< of the present needle
+  std::vector<NeedleParameters> entered_;
+  std::vector<Pushing> pushings_;
   bool started_ = false;
   bool done_ = false;
 };

@@ -9,6 +9,7 @@
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/track.hpp"
 
+#include <array>
 #include <span>
 
 namespace stylet {
@@ -24,6 +25,32 @@ struct LargestStrain {
   /// Exceeded on a thousandth of the area, further than a tip_length from the needle's path.
   StrainPeak widespread;
 };
+
+/// Triangles that the displacements turn over, as no tissue can be: det(I + grad u) <= 0, where one of the
+/// principal strains of small-strain theory is below -1. The mesh of the undeformed tissue is as good as ever.
+struct TurnedOver {
+  int triangles = 0;  ///< at a time
+  double area = 0;    ///< of them, undeformed (m^2)
+  double time = 0;    ///< s
+  double first = 0;   ///< s, when any was turned over
+  ReferencePoint place;
+
+  void add(const Mesh& mesh, int cell);
+  void raise(const TurnedOver& seen) {
+    if (seen.triangles <= triangles) return;
+    const double since = triangles > 0 ? first : seen.time;
+    *this = seen;
+    first = since;
+  }
+};
+
+/// displacements: of the cell's nodes (m).
+[[nodiscard]] bool is_turned_over(const Mesh& mesh,
+                                  int cell,
+                                  const std::array<Vector2, 3>& displacements);
+
+/// All triangles now. u: displacements of all dofs; time in s.
+[[nodiscard]] TurnedOver turned_over(const Mesh& mesh, std::span<const double> u, double time);
 
 /// Raises the peaks where this state exceeds them. u: displacements of all dofs; track: null without
 /// a needle in the tissue.

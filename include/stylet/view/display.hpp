@@ -7,6 +7,8 @@
 #include "stylet/view/panel.hpp"
 #include "stylet/view/tissue_drawing.hpp"
 
+#include <map>
+#include <string>
 #include <vector>
 
 namespace stylet {
@@ -39,11 +41,14 @@ class Display {
   /// Into the framebuffer that is bound. Dear ImGui knows the sizes, and its platform part has begun the
   /// frame.
   Wishes draw(const Frame& frame, const DrawingPace& pace, bool paused);
+  /// Of the last picture.
+  [[nodiscard]] const std::map<std::string, Pane>& widgets() const { return widgets_; }
 
  private:
   TissueDrawing tissue_;
   double width_ = 1;
   double height_ = 1;
+  std::map<std::string, Pane> widgets_;
   double largest_ = 0;  ///< of the colours, so far
   Colouring scaled_ = Colouring::none;
 };

@@ -36,6 +36,7 @@ struct ShownSeed {
   std::optional<double> error_now = {};      ///< m, from its target in space
   std::optional<double> error_at_rest = {};  ///< m, once tissue has gone back; none: it never will
   std::optional<double> band = {};  ///< m, half width of the numerical error at rest; none: unknown
+  int turned_over = 0;              ///< not 0: beyond small strain, its errors mean nothing
 };
 
 struct ShownTarget {
@@ -82,6 +83,7 @@ struct Frame {
   std::uint64_t mesh_version = 0;
   double time = 0;  ///< s
   std::string method;
+  std::string method_reason;
 
   std::vector<float> reference;          ///< two of each node (m)
   std::vector<float> displacement;       ///< two of each node (m)
@@ -106,13 +108,17 @@ struct Frame {
   int n_slip = 0;
   long long punctures = 0;
   double worst_quality = 1;
-  int inverted = 0;  ///< triangles whose deformed area is not positive
+  int inverted = 0;        ///< triangles that the deformation turns over
+  int most_inverted = 0;   ///< at a time, so far
+  double way = 0;          ///< of the hand in a step at its limit (m)
+  double longest_way = 0;  ///< that it should go at most (m)
 
   std::vector<ShownParameter> parameters;
   std::vector<Sample> history;
   bool can_undo = false;
-  int epoch = 0;          ///< another one: the needle is not where it was
-  bool replays = false;   ///< a recorded procedure moves the needle
+  int epoch = 0;                   ///< another one: the needle is not where it was
+  bool replays = false;            ///< a recorded procedure moves the needle
+  std::vector<std::string> notes;  ///< what a reader of the numbers has to know, as `run` prints it
   std::string notice;     ///< why an order was not obeyed, or what has changed; empty: nothing
   std::string error;      ///< the physics has stopped; empty: it runs
   double made_at = 0;     ///< s of the clock

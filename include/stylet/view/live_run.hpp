@@ -39,6 +39,7 @@ struct LiveOptions {
   std::map<std::string, double> bands = {};
   std::string record = {};               ///< recordings go to record-1, record-2, ...; empty: none
   std::optional<SceneSource> plan = {};  ///< what is to be done, for the overlay
+  std::string method = {};  ///< to begin with: auto, or as time.method; empty: that of the scene
 };
 
 class LiveRun {
@@ -71,7 +72,11 @@ class LiveRun {
   /// As it was given.
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] double step_length() const { return scene_.time.step; }
+  /// How far the hand should go in a step at most (m).
+  [[nodiscard]] double longest_way() const { return longest_way_; }
   [[nodiscard]] std::string method() const;
+  /// Who chose it, and why.
+  [[nodiscard]] const std::string& method_reason() const { return method_reason_; }
   /// Something of the needle is in the tissue.
   [[nodiscard]] bool in_tissue() const;
   [[nodiscard]] double height() const { return height_; }  ///< of the needle, in or out (m)
@@ -88,7 +93,8 @@ class LiveRun {
   [[nodiscard]] const std::vector<PlannedWay>& planned() const { return planned_; }
   /// Folder of the recording; empty: none.
   [[nodiscard]] const std::string& folder() const { return folder_; }
-  /// Collective. How it went; also into the folder of the recording.
+  /// Collective. Ends the procedure. How it went; with its notes also into the folder of the recording.
+  /// Throws NumericalError where `run` on the recording ends with it.
   [[nodiscard]] Score finish();
   /// Of the placement error at rest in the scene's own procedure, half width (m); none: unknown.
   [[nodiscard]] std::optional<double> band(const std::string& target) const;
@@ -111,6 +117,7 @@ class LiveRun {
   static bool is_mark(const Done& done);
 
   void load();
+  void begin_with_method();
   void take_models();
   void begin(bool records);
   void guide();
@@ -127,6 +134,7 @@ class LiveRun {
   MPI_Comm comm_;
   LiveOptions options_;
   std::vector<std::string> method_overrides_;
+  std::string method_reason_;
   std::string folder_;
   Scene scene_;
   std::vector<ProcedureRow> script_;      ///< of the scene
@@ -139,6 +147,7 @@ class LiveRun {
   LiveHand* hand_ = nullptr;
   RecordingHand* recording_ = nullptr;  ///< the same, where it records
   std::variant<Aim, Push> wanted_;
+  double longest_way_ = 0;
   double height_ = 0;
   double outside_ = 0;        ///< place of the tip of a needle that has not entered (m, along)
   bool has_entered_ = false;  ///< the needle that is held

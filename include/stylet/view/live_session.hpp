@@ -39,6 +39,8 @@ class LiveSession {
   /// Of the tissue before anything moved.
   [[nodiscard]] const Picture& picture() const { return picture_; }
   [[nodiscard]] const std::vector<PlannedWay>& planned() const { return planned_; }
+  /// Method of time stepping at the beginning, and why.
+  [[nodiscard]] const std::string& method() const { return method_; }
   /// Ends the procedure. What there is to say of it.
   [[nodiscard]] std::string end();
   /// True if there is a newer frame than the last one taken.
@@ -57,6 +59,7 @@ class LiveSession {
   // Made before anyone asks, or after the thread has ended.
   Picture picture_;
   std::vector<PlannedWay> planned_;
+  std::string method_;
   std::string last_words_;
 
   // Shared, under the mutex.

@@ -6,6 +6,7 @@
 #include "stylet/view/live_run.hpp"
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,9 @@ struct DrawingPace {
 struct Wishes {
   std::vector<std::function<void(LiveRun&)>> orders;
   bool pause = false;  ///< or go on
-  bool fit = false;
+  /// Where in the window things are that can be used or read, as far as they are seen: sliders by key,
+  /// buttons, bands.
+  std::map<std::string, Pane> widgets = {};
 };
 
 /// Width that the panel takes of a window (pixels).

@@ -4,11 +4,16 @@
 #include "stylet/view/camera.hpp"
 #include "stylet/view/frame.hpp"
 
+#include <map>
 #include <string>
 
 namespace stylet {
 
-/// In the scene's frame, SI units; the camera tells which pixel a point is in. Throws IoError.
-void write_places(const std::string& path, const Frame& frame, const Camera& camera);
+/// In the scene's frame, SI units; the camera tells which pixel a point is in. widgets: of the panel, in
+/// pixels. Throws IoError.
+void write_places(const std::string& path,
+                  const Frame& frame,
+                  const Camera& camera,
+                  const std::map<std::string, Pane>& widgets);
 
 }  // namespace stylet

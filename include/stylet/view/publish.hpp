@@ -9,6 +9,9 @@ namespace stylet {
 /// What may change now, with the ends of its slider.
 [[nodiscard]] std::vector<ShownParameter> parameters_of(const LiveRun& run);
 
+/// Method of time stepping, and why; a line.
+[[nodiscard]] std::string method_words(const LiveRun& run);
+
 /// Collective. The score, and where the recording is.
 [[nodiscard]] std::string last_words(LiveRun& run);
 

@@ -27,6 +27,9 @@ struct WindowReport {
   double longest = 0;  ///< s, of a step
 };
 
+/// Before anything is made for a window. Throws Error where there is no display.
+void check_display();
+
 /// Until it is closed. Throws Error where no window can be opened.
 WindowReport show_window(LiveSession& session, const WindowOptions& options);
 
