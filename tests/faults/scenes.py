@@ -70,6 +70,8 @@ def faults(**asked):
 
 
 class FaultTest(CliTest):
+    holder = tempfile.TemporaryDirectory(prefix="stylet_whole_")
+
     def setUp(self):
         super().setUp()
         self.write("scene.yaml", NEEDLE_SCENE)
@@ -86,11 +88,11 @@ class FaultTest(CliTest):
         return outcome
 
     def whole(self, n):
-        """The folder of the short scene on n ranks, which nothing interrupted."""
-        name = f"whole{n}"
-        if not (self.folder / name).exists():
-            self.assert_code(self.run_short(n, name), DONE)
-        return self.folder / name
+        """The folder of the short scene on n ranks, which nothing interrupted; made once."""
+        folder = Path(FaultTest.holder.name) / f"whole{n}"
+        if not folder.exists():
+            self.assert_code(self.run_short(n, folder, "--quiet"), DONE)
+        return folder
 
     def status(self, name):
         summary = json.loads((self.folder / name / "summary.json").read_text())

@@ -133,10 +133,13 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         self.call("scontrol", "update", f"JobId={job}", "StartTime=now")
 
     def finish(self, *jobs):
-        """Waits until the queue has none of the jobs."""
+        """Waits until all of them have ended, in whatever way."""
+        going = {"PENDING", "RUNNING", "COMPLETING", "CONFIGURING", "REQUEUED", "SUSPENDED"}
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            if not self.call("squeue", "--noheader", "--jobs", ",".join(jobs)):
+            states = self.call("squeue", "--noheader", "--states=all", "--format=%T", "--jobs",
+                               ",".join(jobs)).split()
+            if states and not going.intersection(states):
                 return
             time.sleep(0.2)
         sys.exit(f"jobs {jobs} do not end: {self.call('squeue', '--long')}\n{self.logs()}")
@@ -195,7 +198,7 @@ def check(cluster):
     cluster.call("scontrol", "requeue", pool)
     cluster.next_turn(pool)
     cluster.finish(pool)
-    assert results(folder / "pool") == plain, cluster.logs()
+    assert results(folder / "pool") == plain, f"{results(folder / 'pool')}\n{plain}\n{cluster.logs()}"
 
     array = cluster.submit("campaign_array.sbatch", "campaign.yaml", "array", "--no-picture",
                            options=["--array=1-3"])
