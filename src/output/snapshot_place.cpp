@@ -5,6 +5,7 @@
 #include "stylet/output/committed_file.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
 
 namespace stylet {
@@ -26,6 +27,13 @@ std::string numbered(const std::string& name, int number) {
   constexpr std::size_t digits = 6;
   const std::string text = std::to_string(number);
   return name + '_' + std::string(digits - std::min(digits, text.size()), '0') + text;
+}
+
+void require_there(const std::string& path) {
+  if (std::filesystem::exists(path)) return;
+  throw InputError(path +
+                   ": is not there, and the checkpoint goes on with it; put it back, or begin anew "
+                   "with --force");
 }
 
 std::string displacement_of(const CommittedFile& file, int snapshot) {

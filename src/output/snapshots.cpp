@@ -190,6 +190,7 @@ void SnapshotWriter::File::create() {
 // The XDMF files tell at no time of snapshots that are gone. Flags and points that stay as they are will be
 // stored once more.
 void SnapshotWriter::File::go_on(const SnapshotPlace& from) {
+  require_there(h5_path_);
   room_.require(first_bytes + bytes_per_step * static_cast<std::uint64_t>(from.n_written));
   h5_.emplace(h5_path_, CommittedFile::Open::go_on);
   const std::vector<std::string> later = later_than(from, *h5_, h5_path_);

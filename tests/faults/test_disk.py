@@ -9,6 +9,7 @@ import time
 import unittest
 from pathlib import Path
 
+from compare import differences
 from scenes import (AS_ROOT, DONE, IO, LONG, PATIENCE, SHORT, FaultTest, call, command, faults,
                     own_lines)
 
@@ -90,8 +91,6 @@ class Disk(FaultTest):
                        env=os.environ | AS_ROOT)
         self.assert_code(outcome, DONE)
         self.assertIn('"status": "failed"', (self.folder / "first.json").read_text())
-        from compare import differences
-
         self.assertEqual(differences(self.whole(1), self.folder / "copy"), [])
 
     def ends(self, program):
@@ -129,8 +128,6 @@ class Disk(FaultTest):
         other = self.run_short(1, "part", "--quiet", "--force")
         self.assert_code(other, DONE)
         self.assertEqual(self.ends(program), IO)
-        from compare import differences
-
         self.assertEqual(differences(self.whole(1), self.folder / "part"), [])
 
     def test_folder_that_cannot_be_written_any_more(self):

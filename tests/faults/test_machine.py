@@ -3,7 +3,6 @@ none, solvers that do not converge, memory that runs out, a clock that is put ba
 
 import hashlib
 import json
-import os
 import resource
 import shutil
 import signal
@@ -12,8 +11,7 @@ import unittest
 
 import h5py
 import numpy as np
-from scenes import (BAD_INPUT, DONE, LONG, NUMERICAL, OTHER, PATIENCE, SHORT, FaultTest, command, faults,
-                    own_lines)
+from scenes import DONE, NUMERICAL, OTHER, PATIENCE, SHORT, FaultTest, faults, on_ranks, own_lines
 from stylet_cli import BLOCK_SCENE, block_mesh
 
 BLOCK = BLOCK_SCENE.replace("  method: quasi_static\n", "  step: 1 ms\n  duration: 40 ms\n") + """\
@@ -82,26 +80,21 @@ class Machine(FaultTest):
                 self.write("block.msh", block_mesh(4)[0])
                 self.write("block.yaml", BLOCK)
                 block = ["run", "block.yaml", "--output", f"block{n}"]
-                stopped = self.block(n, *block, "--until", "20 ms")
+                stopped = on_ranks(n, self.folder, *block, "--until", "20 ms")
                 self.assert_code(stopped, DONE)
                 other = block_mesh(4)[0].replace(" 0.01 ", " 0.0101 ")
                 self.write("block.msh", other)
-                self.assert_refused(self.block(n, *block, "--resume"), "mesh.file", "put the mesh back",
+                self.assert_refused(on_ranks(n, self.folder, *block, "--resume"), "mesh.file", "put the mesh back",
                                     "--force")
                 self.write("block.msh", block_mesh(4)[0])
-                self.assert_code(self.block(n, *block, "--resume"), DONE)
+                self.assert_code(on_ranks(n, self.folder, *block, "--resume"), DONE)
                 done = self.folder / f"block{n}/summary.json"
                 before = json.loads(done.read_text())
                 self.assertEqual(before["status"], "completed")
                 # What is complete is so of another mesh.
                 self.write("block.msh", other)
-                self.assert_refused(self.block(n, *block, "--resume"), "mesh.file")
+                self.assert_refused(on_ranks(n, self.folder, *block, "--resume"), "mesh.file")
                 self.assertEqual(json.loads(done.read_text()), before)
-
-    def block(self, n, *arguments):
-        from scenes import on_ranks
-
-        return on_ranks(n, self.folder, *arguments)
 
     def test_mesh_that_is_replaced_in_mid_run(self):
         """It was read at the start, and is so told by its fingerprint."""

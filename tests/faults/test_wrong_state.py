@@ -12,6 +12,7 @@ from compare import differences, largest_deviation
 from scenes import DONE, FaultTest
 from stylet_cli import block_mesh
 from test_machine import BLOCK, sealed
+from test_procedure import RECORDED, ROWS
 
 STIFFER = ["--set", "tissue.regions.gland.youngs_modulus=61 kPa"]
 
@@ -55,9 +56,7 @@ class WrongState(FaultTest):
 
     def test_snapshots_of_another(self):
         (self.kept("gone") / "snapshots.h5").unlink()
-        outcome = self.run_short(1, "gone", "--resume")
-        self.assertIn(outcome.code, (2, 4))
-        self.assert_message(outcome, "snapshots.h5")
+        self.refused("gone", "snapshots.h5", "put it back")
         self.assert_code(self.run_short(1, "other", "--until", "0.5 s", *STIFFER), DONE)
         shutil.copy(self.folder / "other/snapshots.h5", self.kept("swapped"))
         self.refused("swapped", "snapshots.h5", "--force")
@@ -158,6 +157,21 @@ class WrongState(FaultTest):
         self.assert_code(self.stylet(*run, "--resume", "--set", "time.duration=0.5 s"), DONE)
         summary = json.loads((self.folder / "block/summary.json").read_text())
         self.assertAlmostEqual(summary["time"], 0.5, 12)
+
+    def test_force(self):
+        """Would throw away what it is to go on from."""
+        self.refused("part", "--force", options=["--force"])
+        self.assertTrue(self.checkpoint.exists())
+
+    def test_recording_that_was_changed(self):
+        self.write("recorded.yaml", RECORDED)
+        self.write("rows.yaml", ROWS)
+        run = ["run", "recorded.yaml", "--output", "recorded"]
+        self.assert_code(self.stylet(*run, "--until", "0.5 s"), DONE)
+        self.write("rows.yaml", ROWS.replace("-0.04", "-0.05"))
+        self.assert_refused(self.stylet(*run, "--resume"), "procedure.file", "put the file back")
+        self.write("rows.yaml", ROWS)
+        self.assert_code(self.stylet(*run, "--resume"), DONE)
 
     def test_two_needles(self):
         scene = (self.folder / "scene.yaml").read_text()

@@ -27,6 +27,9 @@ void archive(Archive& archive, SnapshotPlace& place);
 /// step_000012
 [[nodiscard]] std::string numbered(const std::string& name, int number);
 
+/// Throws InputError where the file that is to be gone on with is not there.
+void require_there(const std::string& path);
+
 /// Of the displacement of a snapshot, which no other run shares.
 [[nodiscard]] std::string displacement_of(const CommittedFile& file, int snapshot);
 
