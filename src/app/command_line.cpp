@@ -114,7 +114,8 @@ class Verbs {
     takes_scene(verb);
     writes(verb, asked_.run, "out/<scene>");
     verb->add_flag("--resume", asked_.run.resume,
-                   "go on from the newest checkpoint in the folder, on any number of ranks");
+                   "go on from the newest checkpoint in the folder, on any number of ranks")
+        ->excludes("--force");
     verb->add_option_function<std::string>(
         "--until",
         [&until = asked_.run.until](const std::string& text) {

@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stylet {
 
@@ -25,8 +26,16 @@ void Archive::next(T& value) {
   value = (*values)[found->second.next++];
 }
 
+static void require_number(bool is_number, bool loads, const std::string& path) {
+  if (is_number) return;
+  if (!loads) throw NumericalError("what is to be stored is not a number: '" + path + "'");
+  throw InputError("what was stored is not a number: '" + path + "'; begin anew with --force");
+}
+
+// Limits that do not limit are infinite.
 void Archive::scalar(double& value) {
   next(value);
+  require_number(!std::isnan(value), loads_, path_);
 }
 void Archive::scalar(std::int64_t& value) {
   next(value);
@@ -105,6 +114,8 @@ void Archive::fixed(std::span<T> values, std::size_t width) {
 void Archive::array(const std::string& name, std::span<double> values, std::size_t width) {
   const Below below(*this, name);
   fixed(values, width);
+  const bool all = std::ranges::all_of(values, [](double v) { return std::isfinite(v); });
+  require_number(all, loads_, path_);
 }
 
 void Archive::array(const std::string& name, std::span<int> values, std::size_t width) {

@@ -1,5 +1,7 @@
 #include "stylet/needle/motion.hpp"
 
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
 #include "stylet/needle/stops.hpp"
 
 #include <algorithm>
@@ -86,7 +88,14 @@ void Motion::taken(const NeedleStep& step, bool awaited) {
 
 void Motion::change_end(double before) {
   if (finished()) elapsed_ = before;
-  at_ = 0;
+  constexpr double round_off = 1e-9;
+  const double duration = *actions_.front().duration;
+  if (elapsed_ > duration * (1 + round_off)) {
+    throw InputError("key 'time.duration': is " + exact(duration) +
+                     " s, and the state is one after " + exact(elapsed_) +
+                     " s; allowed on --resume: that and more");
+  }
+  at_ = elapsed_ < duration * (1 - round_off) ? 0 : actions_.size();
   h_ = 0;
   left_ = 0;
 }

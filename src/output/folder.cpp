@@ -1,6 +1,7 @@
 #include "stylet/output/folder.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/message.hpp"
 #include "stylet/base/sorted.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/output/summary.hpp"
@@ -189,7 +190,19 @@ void OutputFolder::remove_own() {
   }
 }
 
+bool OutputFolder::is_lost() {
+  using Clock = std::chrono::steady_clock;
+  if (!lock_ || is_lost_ || Clock::now() - looked_ < std::chrono::seconds(1)) return is_lost_;
+  looked_ = Clock::now();
+  is_lost_ = !lock_->held();
+  return is_lost_;
+}
+
 OutputFolder::~OutputFolder() {
+  if (lock_ && !lock_->held()) {
+    if (status_) status_->abandon();
+    return;
+  }
   status_.reset();
   if (!manifest_) return;
   try {
@@ -225,7 +238,11 @@ void OutputFolder::fail(const std::exception& error, nlohmann::ordered_json summ
   try {
     if (all_here(comm_) && rank_of(comm_) != 0) return;
     summary["status"] = dynamic_cast<const Stopped*>(&error) != nullptr ? "stopped" : "failed";
-    summary["error"] = error.what();
+    summary["error"] = message_of(error);
+    if (lock_ && !lock_->held()) {
+      status_->abandon();
+      return;
+    }
     status_->finish(summary);
   } catch (const std::exception&) {  // the error itself is on its way
   }

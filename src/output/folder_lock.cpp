@@ -89,12 +89,7 @@ bool FolderLock::take() {
   if (!locked && (errno == EAGAIN || errno == EACCES)) {
     refuse(read_holder(descriptor_), "; use another folder with --output, or wait for it");
   }
-  struct stat opened {};
-  struct stat named {};
-  if (::fstat(descriptor_, &opened) != 0 || ::stat(path_.c_str(), &named) != 0 ||
-      opened.st_ino != named.st_ino) {
-    return false;
-  }
+  if (!held()) return false;
   const Holder before = read_holder(descriptor_);
   const Holder self = this_process();
   if (before.pid > 0 && before.host != self.host) {
@@ -113,8 +108,16 @@ bool FolderLock::take() {
   return true;
 }
 
+bool FolderLock::held() const {
+  struct stat opened {};
+  struct stat named {};
+  return ::fstat(descriptor_, &opened) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
 FolderLock::~FolderLock() {
-  ::unlink(path_.c_str());  // first: who opens it now sees that it is no longer the folder's
+  if (held())
+    ::unlink(path_.c_str());  // first: who opens it now sees that it is no longer the folder's
   ::close(descriptor_);
 }
 

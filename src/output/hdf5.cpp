@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace stylet {
@@ -21,6 +22,7 @@ std::string hdf5_message() {
     return 0;
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, append, &text);
+  std::ranges::replace(text, '\n', ' ');
   return text.empty() ? "unknown reason" : text;
 }
 
@@ -122,6 +124,15 @@ Hdf5Id write_array(hid_t parent,
                    int columns,
                    std::span<const int> values) {
   return write(parent, name, unit, columns, values.size(), H5T_NATIVE_INT, values.data());
+}
+
+std::vector<double> read_array(hid_t array) {
+  const Hdf5Id space(H5Dget_space(array), H5Sclose, "array");
+  const hssize_t n = H5Sget_simple_extent_npoints(space.get());
+  std::vector<double> values(static_cast<std::size_t>(std::max<hssize_t>(n, 0)));
+  check_hdf5(H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+             "array");
+  return values;
 }
 
 void link_array(hid_t array, hid_t parent, const std::string& name) {

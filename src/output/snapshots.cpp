@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <type_traits>
@@ -157,11 +156,7 @@ SnapshotWriter::File::File(MPI_Comm comm, const std::string& folder, const Snaps
       room_(h5_path_) {
   agree_after(comm, [&] {
     if (rank_ != 0) return;
-    if (from == nullptr) {
-      create();
-    } else {
-      go_on(*from);
-    }
+    from == nullptr ? create() : go_on(*from);
   });
   if (from == nullptr) return;
   n_written_ = from->n_written;
@@ -195,6 +190,7 @@ void SnapshotWriter::File::create() {
 // The XDMF files tell at no time of snapshots that are gone. Flags and points that stay as they are will be
 // stored once more.
 void SnapshotWriter::File::go_on(const SnapshotPlace& from) {
+  require_there(h5_path_);
   room_.require(first_bytes + bytes_per_step * static_cast<std::uint64_t>(from.n_written));
   h5_.emplace(h5_path_, CommittedFile::Open::go_on);
   const std::vector<std::string> later = later_than(from, *h5_, h5_path_);
@@ -217,6 +213,7 @@ SnapshotPlace SnapshotWriter::File::settle() {
     h5_->sync();
     place.tissue_xdmf = tissue_series_->text();
     place.shape_xdmf = shape_series_->text();
+    if (n_written_ > 0) place.displacement = displacement_of(*h5_, n_written_ - 1);
   });
   return place;
 }
@@ -263,10 +260,7 @@ void SnapshotWriter::File::reserve(const Snapshot& snapshot) {
 /// HDF5 can neither go on nor close a file when a write failed: it hangs or crashes, at the latest when
 /// MPI ends. The snapshots before are whole.
 void SnapshotWriter::File::end_job(const Error& error) const {
-  if (rank_ == 0) {
-    std::fprintf(stderr, "\nstylet: %s\n", error.what());
-    StatusFile::fail_at_once(error.what());
-  }
+  if (rank_ == 0) StatusFile::fail_at_once(with_next_step(error.what()));
   abort_job(static_cast<int>(error.code()));
 }
 
@@ -369,7 +363,11 @@ void SnapshotWriter::File::close() {
     flags_.clear();
     points_.clear();
     connectivity_.reset();
-    h5_->close();
+    try {
+      h5_->close();
+    } catch (const Error& error) {
+      end_job(error);
+    }
     room_.free();
     tissue_series_->finish();
     shape_series_->finish();

@@ -33,6 +33,9 @@ struct LastWords {
   std::string path;
   std::string lock;
   std::array<std::string, NSIG> texts;
+  pid_t first = 0;    ///< rank 0, where it is another process of this machine
+  std::string draft;  ///< of what is said when that has died
+  std::string orphaned;
   volatile std::sig_atomic_t signal = 0;
   OnSignal on_signal = OnSignal::tell;
 };
@@ -56,10 +59,26 @@ bool speak(const std::string& text) {
   return written;
 }
 
+/// Only calls that POSIX allows in a handler.
+void speak_for_first() {
+  const LastWords& last = words();
+  if (last.first == 0 || ::kill(last.first, 0) == 0 || errno != ESRCH) return;
+  const int descriptor = ::open(last.draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor < 0) return;
+  const auto size = static_cast<ssize_t>(last.orphaned.size());
+  const bool written = ::write(descriptor, last.orphaned.data(), last.orphaned.size()) == size &&
+                       ::fsync(descriptor) == 0;
+  ::close(descriptor);
+  if (!written || ::rename(last.draft.c_str(), last.path.c_str()) != 0) {
+    ::unlink(last.draft.c_str());
+  }
+}
+
 void on_stop(int signal) {
   const int before = errno;
   LastWords& last = words();
   (void)speak(last.texts[static_cast<std::size_t>(signal)]);
+  speak_for_first();
   last.signal = signal;
   if (last.on_signal == OnSignal::end) {
     if (!last.lock.empty()) ::unlink(last.lock.c_str());
@@ -112,6 +131,19 @@ std::string in_short(const std::string& status, const std::string& error) {
   return summary_text({{"status", status}, {"error", error}});
 }
 
+/// Collective. The process of rank 0, on the others if they are on its machine.
+pid_t first_of(MPI_Comm comm) {
+  struct Place {
+    long pid = ::getpid();
+    std::array<char, 256> host{};
+  };
+  Place here;
+  if (::gethostname(here.host.data(), here.host.size() - 1) != 0) here.host[0] = '\0';
+  Place first = here;
+  MPI_Bcast(&first, sizeof first, MPI_BYTE, 0, comm);
+  return rank_of(comm) != 0 && first.host == here.host ? static_cast<pid_t>(first.pid) : 0;
+}
+
 void take_room() {
   LastWords& last = words();
   ::unlink(last.reserve.c_str());
@@ -129,6 +161,10 @@ void take_room() {
 
 }  // namespace
 
+std::string with_next_step(const std::string& message) {
+  return message + "; when it can be written again, go on with --resume";
+}
+
 StatusFile::StatusFile(MPI_Comm comm, std::string path, OnSignal on_signal, std::string lock)
     : comm_(comm), path_(std::move(path)) {
   LastWords& last = words();
@@ -137,6 +173,9 @@ StatusFile::StatusFile(MPI_Comm comm, std::string path, OnSignal on_signal, std:
   last.lock = rank_of(comm) == 0 ? std::move(lock) : std::string();
   last.on_signal = on_signal;
   last.signal = 0;
+  last.first = first_of(comm);
+  last.draft = draft_of(path_ + "." + std::to_string(rank_of(comm)));
+  last.orphaned = in_short("failed", "the process of rank 0 has died");
   for (const int s : stops) {
     last.texts[static_cast<std::size_t>(s)] =
         in_short("stopped", std::string("stopped by signal ") + ::sigabbrev_np(s));
@@ -160,6 +199,15 @@ StatusFile::~StatusFile() {
   last.descriptor = -1;
   if (descriptor >= 0) ::close(descriptor);
   if (rank_of(comm_) == 0) ::unlink(last.reserve.c_str());
+}
+
+void StatusFile::abandon() {
+  finished_ = true;
+  LastWords& last = words();
+  const int descriptor = last.descriptor;
+  last.descriptor = -1;
+  if (descriptor >= 0) ::close(descriptor);
+  last.reserve.clear();
 }
 
 void StatusFile::finish(const Json& summary) {
@@ -194,6 +242,7 @@ void StatusFile::write_last(const Json& summary) {
 }
 
 void StatusFile::fail_at_once(const std::string& error) {
+  std::fprintf(stderr, "\nstylet: %s\n", error.c_str());
   (void)speak(in_short("failed", error));
 }
 

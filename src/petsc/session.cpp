@@ -1,6 +1,7 @@
 #include "stylet/petsc/session.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/message.hpp"
 #include "stylet/petsc/check.hpp"
 
 #include <slepcsys.h>
@@ -197,11 +198,8 @@ int run_guarded(const std::function<int()>& body) {
     return fail(static_cast<int>(error.code()), error.what());
   } catch (const Stopped& stopped) {
     return fail(stopped.code(), stopped.what());
-  } catch (const std::bad_alloc&) {
-    return fail(EXIT_FAILURE,
-                "not enough memory for this scene; use a coarser mesh or a larger machine");
   } catch (const std::exception& error) {
-    return fail(EXIT_FAILURE, std::string("internal error: ") + error.what());
+    return fail(EXIT_FAILURE, message_of(error));
   } catch (...) {
     return fail(EXIT_FAILURE, "internal error");
   }

@@ -118,6 +118,13 @@ void Schedule::archive(Archive& archive) {
   archive("motion", waits ? clock : motion_);
   // The end may be another one now.
   if (!until_implanted_) last_seed_left_ = false;
+  const bool no_more = n_entered_ == needles_.size() && n_entered_ > 0 && !motion_.will_implant();
+  const bool implants = !motion_.finished() && motion_.action().kind == ActionKind::implant;
+  if (archive.loads() && until_implanted_ && no_more && !implants && !last_seed_left_) {
+    throw InputError(
+        "key 'time.until': is implanted, and the state is one after the last seed was left; begin "
+        "anew with --force, or leave it as it was");
+  }
   if (needles_.empty() && duration != duration_) motion_.change_end(duration);
   archive("settling", settling_);
   archive("ended", ended_);

@@ -15,11 +15,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 
 namespace stylet {
+
+static constexpr const char* no_number =
+    "the solver gives what is not a number; go on with --resume, and if that ends alike, the scene "
+    "has "
+    "numbers that are too large or too small";
 
 namespace {
 
@@ -317,6 +323,10 @@ TrackTrial Body::view(const TrackOperator& track,
   const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
                           trial.settled.reaction};
   const auto values = on_track(track, points, vectors);
+  const auto is_number = [](TrackVector x) { return std::isfinite(x.along + x.across); };
+  for (const auto& each : values) {
+    if (!std::ranges::all_of(each, is_number)) throw NumericalError(no_number);
+  }
   std::vector<PointTrial> trials;
   for (std::size_t i = 0; i < points.size(); ++i) {
     trials.push_back({values[0][i], values[1][i], values[2][i], values[3][i], values[4][i]});

@@ -51,13 +51,13 @@ bool may_change(const std::string& path) {
 /// The first path at which two documents differ, with both values.
 struct Difference {
   std::string path;
-  const Node* before;  ///< null where it was not written
-  const Node* now;
+  std::string before;
+  std::string now;
 };
 
 std::optional<Difference> first_difference(const Node& before, const Node& now) {
   const auto differ = [&]() -> std::optional<Difference> {
-    return Difference{before.path, &before, &now};
+    return Difference{before.path, shown(before), shown(now)};
   };
   if (may_change(now.path)) return std::nullopt;
   if (before.kind != now.kind || before.text != now.text) return differ();
@@ -70,13 +70,14 @@ std::optional<Difference> first_difference(const Node& before, const Node& now) 
   };
   for (const Node& child : now.children) {
     const Node* old = child_of(before, child.key);
-    if (old == nullptr && !may_change(child.path)) return Difference{child.path, nullptr, &child};
+    if (old == nullptr && !may_change(child.path))
+      return Difference{child.path, "nothing", shown(child)};
     if (old == nullptr) continue;
     if (auto found = first_difference(*old, child)) return found;
   }
   for (const Node& old : before.children) {
     if (child_of(now, old.key) == nullptr && !may_change(old.path)) {
-      return Difference{old.path, &old, nullptr};
+      return Difference{old.path, shown(old), "nothing"};
     }
   }
   return std::nullopt;
@@ -87,6 +88,7 @@ std::optional<Difference> first_difference(const Node& before, const Node& now) 
 void CheckpointAbout::archive(Archive& archive) {
   archive("scene", scene);
   archive("mesh", mesh);
+  archive("options", options);
   archive("program", program);
   archive("written", written);
   archive("n_ranks", n_ranks);
@@ -177,6 +179,23 @@ void Checkpoints::write(Simulation& simulation,
   if (pace_) pace_->written(steps);
 }
 
+// A link would be taken for nothing, and the run begun anew.
+void Checkpoints::require_own() const {
+  const fs::file_status status = fs::symlink_status(folder_.substr(0, folder_.size() - 1));
+  if (!fs::exists(status)) return;
+  std::string other = fs::is_directory(status) ? "" : folder_;
+  for (const auto& entry :
+       other.empty() ? fs::directory_iterator(folder_) : fs::directory_iterator()) {
+    if (entry.path().extension() == ".h5" && !fs::is_regular_file(entry.symlink_status())) {
+      other = entry.path();
+    }
+  }
+  if (other.empty()) return;
+  throw InputError(other +
+                   ": is a link or something else that this program did not write; put what it "
+                   "leads to in its place, or begin anew with --force in another folder");
+}
+
 // Oldest first.
 std::vector<std::string> Checkpoints::files() const {
   auto names = numbered_files(folder_);
@@ -195,7 +214,11 @@ void Checkpoints::remove(const std::string& path) const {
 std::optional<LoadedCheckpoint> Checkpoints::newest(std::vector<std::string>& notes) {
   int n = 0;
   std::vector<std::string> all;
-  if (rank_of(comm_) == 0) all = files();
+  agree_after(comm_, [&] {
+    if (rank_of(comm_) != 0) return;
+    require_own();
+    all = files();
+  });
   n = static_cast<int>(all.size());
   MPI_Bcast(&n, 1, MPI_INT, 0, comm_);
   all.resize(static_cast<std::size_t>(n));
@@ -237,21 +260,48 @@ std::optional<LoadedCheckpoint> load_checkpoint(MPI_Comm comm,
 void require_same_physics(const CheckpointAbout& stored,
                           const std::string& path,
                           const Scene& scene,
-                          const std::string& resolved,
-                          const std::string& mesh_fingerprint,
+                          const CheckpointAbout& now,
                           const std::string& allowed) {
-  const Node before = parse_yaml(path, stored.scene);
-  const Node now = parse_yaml(scene.file, resolved);
-  if (const auto difference = first_difference(before, now)) {
-    const auto text = [](const Node* node) { return node ? shown(*node) : std::string("nothing"); };
-    throw InputError(scene.file + ": key '" + difference->path + "': is '" + text(difference->now) +
-                     "' and was '" + text(difference->before) + "' when " + path +
-                     " was written; " + allowed);
+  const auto refuse = [&](const std::string& what, const std::string& advice) {
+    throw InputError(scene.file + ": " + what + " when " + path + " was written; " + advice +
+                     allowed);
+  };
+  if (const auto difference =
+          first_difference(parse_yaml(path, stored.scene), parse_yaml(scene.file, now.scene))) {
+    refuse("key '" + difference->path + "': is '" + difference->now + "' and was '" +
+               difference->before + "'",
+           "");
   }
-  if (stored.mesh != mesh_fingerprint) {
-    throw InputError(scene.file + ": key 'mesh.file': the bytes of the file are not those when " +
-                     path + " was written; put the mesh back; " + allowed);
+  if (stored.mesh != now.mesh) {
+    refuse("key 'mesh.file': the bytes of the file are not those", "put the mesh back; ");
   }
+  if (stored.options != now.options) {
+    const auto text = [](const auto& all) { return all.empty() ? "none" : join(all); };
+    refuse("PETSc options: are " + text(now.options) + " and were " + text(stored.options),
+           "give the same ones behind --; ");
+  }
+}
+
+void require_at(const Simulation& simulation, const LoadedCheckpoint& stored) {
+  const auto& [time, steps] = std::pair(stored.about.time, stored.about.steps);
+  if (simulation.time() == time && simulation.counts().steps == steps) return;
+  throw InputError(stored.path + ": says t = " + exact(time) + " s after " + std::to_string(steps) +
+                   " steps, and its state is one of t = " + exact(simulation.time()) + " s after " +
+                   std::to_string(simulation.counts().steps) +
+                   "; remove it, and go on with --resume from the one before");
+}
+
+void require_same_files(const LoadedCheckpoint& stored, const Scene& scene) {
+  const auto require = [&](const char* key, bool before, bool now) {
+    if (before == now) return;
+    throw InputError(scene.file + ": key '" + key + "': " + stored.path + " was written by a run " +
+                     (before ? "with" : "without") +
+                     " it, and its file would have a gap; leave it so on --resume, or begin anew "
+                     "with --force");
+  };
+  require("output.history", stored.place->history.bytes > 0, scene.output.history);
+  require("output.snapshots", stored.place->snapshots.has_value(),
+          scene.output.snapshots.has_value());
 }
 
 }  // namespace stylet

@@ -165,10 +165,14 @@ struct News {
   bool due = false;  ///< a checkpoint
 };
 
-/// Collective. Ends the run where the history cannot be written.
-News hear(MPI_Comm comm, Recorder& recorder, bool due) {
-  int news[3] = {StatusFile::signal(), recorder.failed() ? 1 : 0, due ? 1 : 0};
-  if (size_of(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, news, 3, MPI_INT, MPI_MAX, comm);
+/// Collective. Ends the run where its files cannot be written.
+News hear(MPI_Comm comm, Recorder& recorder, OutputFolder& folder, bool due) {
+  int news[4] = {StatusFile::signal(), recorder.failed() ? 1 : 0, due ? 1 : 0,
+                 folder.is_lost() ? 1 : 0};
+  if (size_of(comm) > 1) MPI_Allreduce(MPI_IN_PLACE, news, 4, MPI_INT, MPI_MAX, comm);
+  if (news[3] != 0) {
+    throw IoError(folder.path() + ": was removed or replaced while the run wrote to it");
+  }
   if (news[1] != 0) recorder.close();
   return {news[0], news[2] != 0};
 }
@@ -233,13 +237,14 @@ std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
                      ": was written by a study, and knows no files of a run; move it away");
   }
   if (loaded) {
-    require_same_physics(loaded->about, loaded->path, scene, about.scene, about.mesh);
+    require_same_physics(loaded->about, loaded->path, scene, about);
+    require_same_files(*loaded, scene);
     notes.push_back("going on at t = " + exact(loaded->about.time) + " s, after " +
                     std::to_string(loaded->about.steps) + " steps, from " + loaded->path);
   } else {
     const std::string before = folder + "/scene.yaml";
     if (const auto text = text_in(comm, before); !text.empty()) {
-      require_same_physics({text, about.mesh}, before, scene, about.scene, about.mesh);
+      require_same_physics({text, about.mesh, about.options}, before, scene, about);
     }
     if (!completed_in(comm, folder).is_null()) {
       throw InputError(
@@ -304,15 +309,16 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     }
     return summary;
   };
-  const CheckpointAbout about{resolved, simulation.numbered().file_fingerprint};
+  const CheckpointAbout about{resolved, simulation.numbered().file_fingerprint, deciding_options()};
   const Earlier earlier = options.force    ? Earlier::replace
                           : options.resume ? Earlier::keep
                                            : Earlier::refuse;
   OutputFolder folder(comm, outcome.folder, contents_of(scene), earlier, OnSignal::tell);
   if (options.resume) {
     Json before = completed_in(comm, outcome.folder);
-    const Json here = before.is_null() ? Json() : before["fingerprints"]["scene"];
-    if (here.is_string() && here.get<std::string>() == fingerprint(resolved) && !options.until) {
+    Json now = before.is_null() || options.until ? Json() : summary_now("completed");
+    const auto is_same = [&](const char* what) { return before.value(what, Json()) == now[what]; };
+    if (now.is_object() && is_same("fingerprints") && is_same("solver_options")) {
       return completed_before(comm, std::move(before), std::move(outcome), options);
     }
   }
@@ -326,15 +332,16 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     checkpoints.write(simulation, *recorder, std::move(now), goes_on);
     book("checkpoints");
   };
-  try {
-    RecorderPlace place;
-    if (options.resume) {
-      if (auto loaded = go_on_from(comm, checkpoints, about, scene, options, outcome.folder)) {
-        simulation.restore(std::move(loaded->state));
-        place = std::move(*loaded->place);
-        walls = std::move(loaded->about.wall_times);
-      }
+  RecorderPlace place;
+  if (options.resume) {  // what is refused here leaves all as it was, and what became of it
+    if (auto loaded = go_on_from(comm, checkpoints, about, scene, options, outcome.folder)) {
+      simulation.restore(std::move(loaded->state));
+      require_at(simulation, *loaded);
+      place = std::move(*loaded->place);
+      walls = std::move(loaded->about.wall_times);
     }
+  }
+  try {
     folder.go_on(summary_now("running"));
     write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved);
     if (image) write_text_atomically(comm, outcome.folder + "/image.png", png_of(*image));
@@ -351,11 +358,12 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
         recorder->record(simulation, step);
         book("output");
       }
-      const News news = hear(comm, *recorder, checkpoints.due(simulation.counts().steps));
+      const News news = hear(comm, *recorder, folder, checkpoints.due(simulation.counts().steps));
       const bool ends = options.until && simulation.time() >= *options.until && !simulation.done();
       if (news.signal != 0 || ends) {
         write_checkpoint(false);
-        if (news.signal != 0) throw Stopped(news.signal, ::sigabbrev_np(news.signal));
+        const std::string name = news.signal != 0 ? ::sigabbrev_np(news.signal) : "";
+        if (!name.empty()) throw Stopped(news.signal, (name + "; go on with --resume").c_str());
         break;
       }
       if (news.due) write_checkpoint(!simulation.done());
@@ -374,6 +382,12 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   } catch (const std::exception& error) {
     Json left;
     if (all_here(comm) && close_after(error, simulation, recorder)) left = summary_now("failed");
+    const auto* known = dynamic_cast<const Error*>(&error);
+    if (known != nullptr && known->code() == ExitCode::io) {
+      const IoError advised(with_next_step(error.what()));
+      folder.fail(advised, left);
+      throw advised;
+    }
     folder.fail(error, left);
     throw;
   }

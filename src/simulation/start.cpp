@@ -72,7 +72,7 @@ StartState state_to_start_from(MPI_Comm comm, Scene scene, const std::string& me
   }
   const CheckpointAbout past{to_yaml(past_of(before, n_entered, n_actions)), loaded->about.mesh};
   const Scene now = past_of(std::move(scene), n_entered, n_actions);
-  require_same_physics(past, path, now, to_yaml(now), mesh_fingerprint,
+  require_same_physics(past, path, now, {to_yaml(now), mesh_fingerprint},
                        "allowed where a scene starts from it: other targets, image, output, "
                        "expect, time.step and end, and other needles and actions after t = " +
                            t);

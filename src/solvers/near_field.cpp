@@ -352,6 +352,12 @@ NearField::Solution NearField::solve_here(std::span<const double> extra, const D
     substitute(response);
     double compliance = 0;
     for (const auto& [at, weight] : demand.weights) compliance += weight * response[at];
+    if (std::isnan(compliance)) {
+      throw NumericalError(
+          "the factor of the tissue gives what is not a number; go on with --resume, and if that "
+          "ends "
+          "alike, the scene has numbers that are too large or too small");
+    }
     if (!(compliance > 0)) throw_all_held();
     solution.lambda = (demand.value - reached) / compliance;
     for (std::size_t i = 0; i < n; ++i) x[i] += solution.lambda * response[i];

@@ -201,7 +201,7 @@ void WholeSolver::require_converged() {
   if (reason >= 0) return;
   throw NumericalError(std::string("the linear solver did not converge for the whole tissue: ") +
                        KSPConvergedReasons[reason] + " after " + std::to_string(iterations) +
-                       " iterations");
+                       " iterations; take other solver options (after --), or none");
 }
 
 /// Options can end the iteration early and call it converged (-ksp_type preonly with a weak PC,

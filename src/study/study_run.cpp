@@ -3,6 +3,7 @@
 #include "stylet/base/text.hpp"
 #include "stylet/output/status_file.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/accuracy.hpp"
 #include "stylet/simulation/checkpoint.hpp"
 #include "stylet/simulation/model.hpp"
 #include "stylet/simulation/point_text.hpp"
@@ -91,9 +92,9 @@ class StudyCheckpoint {
     std::string fault;
     auto loaded = load_checkpoint(comm_, place_.checkpoint, fault);
     if (!loaded) throw IoError(place_.checkpoint + " is not whole: " + fault);
-    require_same_physics(loaded->about, place_.checkpoint, scene_, resolved_text(scene_),
-                         simulation_.numbered().file_fingerprint);
+    require_same_physics(loaded->about, place_.checkpoint, scene_, about());
     simulation_.restore(std::move(loaded->state));
+    require_at(simulation_, *loaded);
     Archive learned({}, std::move(loaded->study));
     if (place_.learned) place_.learned(learned);
     learned.finish();
@@ -105,11 +106,15 @@ class StudyCheckpoint {
     pace_.written(loaded->about.steps);
   }
 
+  [[nodiscard]] CheckpointAbout about() const {
+    return {resolved_text(scene_), simulation_.numbered().file_fingerprint, deciding_options()};
+  }
+
   void write(double seconds) {
-    CheckpointAbout about{resolved_text(scene_), simulation_.numbered().file_fingerprint};
-    about.wall_times = {{"run", seconds}};
-    about.summary = summarise(comm_, simulation_, "running", {}).dump();
-    Checkpoint checkpoint = checkpoint_of(comm_, simulation_, std::move(about));
+    CheckpointAbout now = about();
+    now.wall_times = {{"run", seconds}};
+    now.summary = summarise(comm_, simulation_, "running", {}).dump();
+    Checkpoint checkpoint = checkpoint_of(comm_, simulation_, std::move(now));
     Archive learned({});
     if (place_.learned) place_.learned(learned);
     checkpoint["study"] = learned.columns();

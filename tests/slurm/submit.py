@@ -17,8 +17,9 @@ import tempfile
 import time
 
 SOURCE = pathlib.Path(os.environ["STYLET_SOURCE"])
-sys.path.insert(0, str(SOURCE / "tests/cli"))
-from stylet_cli import NEEDLE_SCENE  # noqa: E402
+sys.path[:0] = [str(SOURCE / "tests/cli"), str(SOURCE / "tests/faults")]
+from compare import largest_deviation  # noqa: E402
+from stylet_cli import AS_ROOT, NEEDLE_SCENE  # noqa: E402
 
 SKIPPED = 77
 PATIENCE = 120  # s for a job; it takes seconds on an idle machine
@@ -86,8 +87,8 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         (folder / "cgroup.conf").write_text("CgroupPlugin=cgroup/v1\n")
         self.environment = os.environ | {
             "SLURM_CONF": str(folder / "slurm.conf"), "STYLET": os.environ["STYLET"],
-            "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-            "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
+            "OMPI_MCA_btl_vader_single_copy_mechanism": "none",
+            "OMPI_MCA_hwloc_base_binding_policy": "none"} | AS_ROOT
 
     def start(self):
         self.spawn("munged", "--foreground", "--force", f"--key-file={self.folder}/munge.key",
@@ -123,11 +124,22 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         return self.call("sbatch", "--parsable", *options, SOURCE / "jobs/slurm" / script, *arguments,
                          check=True)
 
+    def next_turn(self, job):
+        """Of a job that is requeued; not in two minutes, as Slurm would have it."""
+        def is_pending():
+            return "PENDING" in self.call("squeue", "--noheader", "--format=%T", "--jobs", job)
+
+        self.wait_for(is_pending, "the requeued job", sys.exit, PATIENCE)
+        self.call("scontrol", "update", f"JobId={job}", "StartTime=now")
+
     def finish(self, *jobs):
-        """Waits until the queue has none of the jobs."""
+        """Waits until all of them have ended, in whatever way."""
+        going = {"PENDING", "RUNNING", "COMPLETING", "CONFIGURING", "REQUEUED", "SUSPENDED"}
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            if not self.call("squeue", "--noheader", "--jobs", ",".join(jobs)):
+            states = self.call("squeue", "--noheader", "--states=all", "--format=%T", "--jobs",
+                               ",".join(jobs)).split()
+            if states and not going.intersection(states):
                 return
             time.sleep(0.2)
         sys.exit(f"jobs {jobs} do not end: {self.call('squeue', '--long')}\n{self.logs()}")
@@ -147,11 +159,11 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
 
 
 def results(folder):
-    """Rows without times; none if there is no table."""
+    """Rows without times and fingerprints of rows with them; none if there is no table."""
     if not (folder / "results.csv").exists():
         return []
     with open(folder / "results.csv", newline="") as file:
-        return [{k: v for k, v in row.items() if not k.startswith("wall_time")}
+        return [{k: v for k, v in row.items() if not k.startswith(("wall_time", "fingerprint"))}
                 for row in csv.DictReader(file)]
 
 
@@ -164,9 +176,18 @@ def check(cluster):
     plain = results(folder / "plain")
     assert len(plain) == 6 and {row["status"] for row in plain} == {"done"}, plain
 
-    job = cluster.submit("run.sbatch", "scene.yaml", "fine", "--set", "time.until=implanted")
+    # In two turns: it writes its state when its time is about to be over, and goes on from there.
+    changes = ["--set", "time.until=implanted", "--set", "needles.0.motion.0.depth=1 cm"]
+    cluster.call(os.environ["STYLET"], "run", "scene.yaml", "--output", "whole", *changes, check=True)
+    job = cluster.submit("run.sbatch", "scene.yaml", "fine", *changes)
+    cluster.wait_for((folder / "fine/history.csv").exists, "the run", sys.exit, PATIENCE)
+    cluster.call("scancel", "--batch", "--signal=USR1", job, check=True)
+    cluster.next_turn(job)
+    assert list((folder / "fine/checkpoints").iterdir()), cluster.logs()
     cluster.finish(job)
     assert '"status": "completed"' in (folder / "fine/summary.json").read_text(), cluster.logs()
+    assert "going on at t = " in cluster.logs(), cluster.logs()
+    assert largest_deviation(folder / "whole", folder / "fine") < 1e-10, cluster.logs()
 
     pool = cluster.submit("campaign_pool.sbatch", "campaign.yaml", "pool", "--no-picture")
     table = folder / "pool/results.csv"
@@ -175,9 +196,7 @@ def check(cluster):
             break
         time.sleep(0.02)
     cluster.call("scontrol", "requeue", pool)
-    cluster.wait_for(lambda: "PENDING" in cluster.call("squeue", "--noheader", "--format=%T", "--jobs",
-                                                       pool), "the requeued job", sys.exit)
-    cluster.call("scontrol", "update", f"JobId={pool}", "StartTime=now")  # not in two minutes
+    cluster.next_turn(pool)
     cluster.finish(pool)
     assert results(folder / "pool") == plain, cluster.logs()
 

@@ -8,6 +8,7 @@
 #include <mpi.h>
 #include <nlohmann/json_fwd.hpp>
 
+#include <chrono>
 #include <exception>
 #include <optional>
 #include <string>
@@ -39,6 +40,9 @@ class OutputFolder {
 
   [[nodiscard]] const std::string& path() const { return path_; }
 
+  /// Not collective; for rank 0. Whether it was removed, or has become another's, as far as is known: it is
+  /// looked at once a second.
+  [[nodiscard]] bool is_lost();
   /// Collective. A folder of numbered files in it that is needed after all; its name ends with /. Throws
   /// InputError if something else stands there.
   void add(const std::string& name);
@@ -63,6 +67,8 @@ class OutputFolder {
   std::optional<FolderLock> lock_;
   std::optional<Manifest> manifest_;
   std::optional<StatusFile> status_;
+  bool is_lost_ = false;
+  std::chrono::steady_clock::time_point looked_ = {};
 };
 
 /// Runs `body`; what it throws is told in the folder's summary and thrown on.

@@ -17,6 +17,8 @@ class FolderLock {
   ~FolderLock();
 
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// False if its file was removed or replaced since: the folder is gone, or another's.
+  [[nodiscard]] bool held() const;
 
   static constexpr const char* file_name = ".stylet.lock";
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace stylet {
 
@@ -57,6 +58,8 @@ Hdf5Id write_array(hid_t parent,
                    const std::string& unit,
                    int columns,
                    std::span<const int> values);
+/// All numbers of an array.
+[[nodiscard]] std::vector<double> read_array(hid_t array);
 /// Another name for an array.
 void link_array(hid_t array, hid_t parent, const std::string& name);
 

@@ -19,12 +19,19 @@ struct SnapshotPlace {
   std::uint64_t connectivity_version = 0;
   std::string tissue_xdmf = {};  ///< XdmfSeries::text
   std::string shape_xdmf = {};
+  std::string displacement = {};  ///< fingerprint of that of the last snapshot
 };
 
 void archive(Archive& archive, SnapshotPlace& place);
 
 /// step_000012
 [[nodiscard]] std::string numbered(const std::string& name, int number);
+
+/// Throws InputError where the file that is to be gone on with is not there.
+void require_there(const std::string& path);
+
+/// Of the displacement of a snapshot, which no other run shares.
+[[nodiscard]] std::string displacement_of(const CommittedFile& file, int snapshot);
 
 /// Groups that are not of that place but later. Throws InputError where the file, which `path` names, does
 /// not have those that are.

@@ -18,8 +18,9 @@ namespace stylet {
 
 /// Of a run as a whole.
 struct CheckpointAbout {
-  std::string scene;  ///< its resolved text
-  std::string mesh;   ///< fingerprint of its mesh file; empty without
+  std::string scene;                      ///< its resolved text
+  std::string mesh;                       ///< fingerprint of its mesh file; empty without
+  std::vector<std::string> options = {};  ///< of PETSc, which are given anew on --resume
   std::string program = {};
   std::string written = {};  ///< when, UTC
   int n_ranks = 0;
@@ -77,6 +78,7 @@ class Checkpoints {
   [[nodiscard]] std::optional<LoadedCheckpoint> newest(std::vector<std::string>& notes);
 
  private:
+  void require_own() const;
   [[nodiscard]] std::vector<std::string> files() const;
   void remove(const std::string& path) const;
 
@@ -98,12 +100,18 @@ inline constexpr const char* allowed_on_resume =
     "with --force";
 
 /// Throws InputError that names the first key in which this scene is another one than the one stored,
-/// unless it decides about output and end only, and says what is allowed; or the mesh file.
+/// unless it decides about output and end only, and says what is allowed; or the mesh file, or options of
+/// solvers.
 void require_same_physics(const CheckpointAbout& stored,
                           const std::string& path,
                           const Scene& scene,
-                          const std::string& resolved,
-                          const std::string& mesh_fingerprint,
+                          const CheckpointAbout& now,
                           const std::string& allowed = allowed_on_resume);
+
+/// Throws InputError where the state is of another moment than the checkpoint says.
+void require_at(const Simulation& simulation, const LoadedCheckpoint& stored);
+
+/// Throws InputError where files of the run would begin or end on its way.
+void require_same_files(const LoadedCheckpoint& stored, const Scene& scene);
 
 }  // namespace stylet

@@ -16,7 +16,7 @@ namespace stylet {
 
 /// How far the files of a run are.
 struct RecorderPlace {
-  std::uint64_t history = 0;  ///< bytes; 0 without one
+  HistoryPlace history;
   std::optional<SnapshotPlace> snapshots;
   void archive(Archive& archive);
 };

@@ -1,5 +1,6 @@
 #include "stylet/output/history.hpp"
 
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/output/csv.hpp"
 
 #include "fixture.hpp"
@@ -54,16 +55,17 @@ TEST_F(History, HasUnitsInItsHeader) {
 }
 
 TEST_F(History, GoesOnBehindTheRowsThatAreKept) {
-  const auto writer = [&](std::uint64_t kept, const char* unit = "s") {
+  const auto writer = [&](const HistoryPlace& kept, const char* unit = "s") {
     return std::make_unique<HistoryWriter>(MPI_COMM_WORLD, file(),
                                            std::vector<Column>{{"time", unit}}, kept);
   };
-  std::uint64_t kept = 0;
+  HistoryPlace kept;
   {
-    const auto history = writer(0);
+    const auto history = writer(kept);
     history->write(std::array{0.5});
     kept = history->settle();
-    EXPECT_EQ(kept, contents(file()).size());
+    EXPECT_EQ(kept.bytes, contents(file()).size());
+    EXPECT_EQ(kept.fingerprint, fingerprint(contents(file())));
     history->write(std::array{0.75});
     history->close();
   }
@@ -74,9 +76,14 @@ TEST_F(History, GoesOnBehindTheRowsThatAreKept) {
   }
   EXPECT_EQ(contents(file()), "time [s]\n0.5\n1.5\n");
   std::string message;
-  for (const auto& [n, unit] :
-       {std::pair<std::uint64_t, const char*>{kept, "ms"}, {kept + 1, "s"}, {kept + 100, "s"}}) {
-    EXPECT_EQ(failure_of([&] { writer(n, unit); }, &message), ExitCode::bad_input) << n;
+  HistoryPlace of_another = kept;
+  of_another.fingerprint = fingerprint("time [s]\n0.6\n");
+  using Wrong = std::pair<HistoryPlace, const char*>;
+  for (const auto& [place, unit] : {Wrong{kept, "ms"},
+                                    {{kept.bytes + 1, kept.fingerprint}, "s"},
+                                    {{kept.bytes + 100, kept.fingerprint}, "s"},
+                                    {of_another, "s"}}) {
+    EXPECT_EQ(failure_of([&] { writer(place, unit); }, &message), ExitCode::bad_input);
     EXPECT_THAT(message, HasSubstr("history.csv"));
   }
   EXPECT_EQ(contents(file()), "time [s]\n0.5\n1.5\n");

@@ -115,7 +115,9 @@ TEST_F(Snapshots, GoOnOnlyWithTheirFile) {
   later.n_written = 2;
   SnapshotPlace other = place;
   other.time = 0.6;
-  for (const SnapshotPlace& wrong : {later, other}) {
+  SnapshotPlace moved = place;
+  moved.displacement.back() ^= 1;
+  for (const SnapshotPlace& wrong : {later, other, moved}) {
     std::string message;
     EXPECT_EQ(failure_of([&] { SnapshotWriter(MPI_COMM_WORLD, folder_, wrong); }, &message),
               ExitCode::bad_input);
