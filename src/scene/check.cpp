@@ -1,6 +1,7 @@
 #include "stylet/scene/check.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/index.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/scene/quantities.hpp"
 #include "stylet/scene/schema.hpp"
@@ -39,6 +40,7 @@ class Rules {
   Rules(const Scene& scene, const Node& document) : scene_(scene), document_(document) {}
 
   void check() const {
+    check_dimension();
     check_mesh();
     check_tissue();
     check_loads();
@@ -68,7 +70,62 @@ class Rules {
     require(points.size() >= least, path, "at least " + std::to_string(least) + " points");
   }
 
+  // What a scene in space has, and what only one in the plane has. Of a file the mesh will tell.
+  void check_dimension() const {
+    const bool plane = scene_.tissue.plane.has_value();
+    const bool is_box = std::holds_alternative<BoxMesh>(scene_.mesh.source);
+    const bool is_rectangle = std::holds_alternative<RectangleMesh>(scene_.mesh.source);
+    require(!is_box || !plane, "tissue.plane", "no plane, because mesh.box is in space");
+    require(plane || !is_rectangle, "tissue.plane", "stress, strain");
+    if (!plane) {
+      const std::string only = "only with tissue.plane: scenes in space have none so far";
+      require(is_box || scene_.needles.empty(), "tissue.plane",
+              "stress, strain, because the scene has needles, which are in the plane so far");
+      require(scene_.needles.empty(), "needles", only);
+      require(!scene_.membrane, "membrane", only);
+      require(scene_.targets.empty(), "targets", only);
+      require(scene_.needle_angle == std::numbers::pi, "needle_angle", only);
+      require(closest(document_, "tissue.thickness").path != "tissue.thickness", "tissue.thickness",
+              "only with tissue.plane");
+    }
+    const auto components = [&](std::size_t n, const std::string& path) {
+      require(n == static_cast<std::size_t>(scene_.dim()), path,
+              plane ? "[x, y], because of tissue.plane"
+                    : "[x, y, z] in space (for triangles give tissue.plane)");
+    };
+    for (std::size_t i = 0; i < scene_.body_forces.size(); ++i) {
+      components(at(scene_.body_forces[i].force.dim()), item("loads.body", i) + ".force");
+    }
+    for (std::size_t i = 0; i < scene_.tractions.size(); ++i) {
+      const std::string path = item("loads.traction", i);
+      require_boundary(path, plane);
+      require(scene_.tractions[i].force.dim() == scene_.dim(),
+              path + (plane ? ".stress" : ".force"),
+              plane ? "force, in N/m, because of tissue.plane"
+                    : "stress, in Pa, because the scene is in space");
+    }
+    for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
+      require_boundary(item("prescribed", i), plane);
+      components(scene_.prescribed[i].displacement.size(), item("prescribed", i) + ".displacement");
+    }
+    for (const Probe& probe : scene_.probes) {
+      components(at(probe.point.dim()), below("probes", probe.name));
+    }
+  }
+
+  void require_boundary(const std::string& path, bool plane) const {
+    const std::string other = path + (plane ? ".surface" : ".curve");
+    require(
+        closest(document_, other).path != other, other,
+        plane ? "a curve, because of tissue.plane" : "a surface, because the scene is in space");
+  }
+
   void check_mesh() const {
+    if (const auto* box = std::get_if<BoxMesh>(&scene_.mesh.source)) {
+      require(scene_.mesh.scale == 1, "mesh.scale", "only with mesh.file");
+      require_unique(names_of(box->inner_regions, &SolidRegion::name), "mesh.box.inner_regions",
+                     true);
+    }
     const auto* rectangle = std::get_if<RectangleMesh>(&scene_.mesh.source);
     if (!rectangle) return;
     require(scene_.mesh.scale == 1, "mesh.scale", "only with mesh.file");
@@ -111,9 +168,12 @@ class Rules {
               item("prescribed", i) + ".curve",
               "a curve that is not held; supports." + curve + " is fixed");
       const auto& displacement = scene_.prescribed[i].displacement;
-      require(displacement[0] || displacement[1], item("prescribed", i) + ".displacement",
+      const auto given = [](const std::optional<double>& component) {
+        return component.has_value();
+      };
+      require(std::ranges::any_of(displacement, given), item("prescribed", i) + ".displacement",
               "at least one component that is not null");
-      require(scene_.needle_angle == std::numbers::pi || (displacement[0] && displacement[1]),
+      require(scene_.needle_angle == std::numbers::pi || std::ranges::all_of(displacement, given),
               item("prescribed", i) + ".displacement",
               "both components, because needle_angle turns them");
     }
@@ -279,12 +339,11 @@ void check_rules(const Scene& scene, const Node& document) {
 }
 
 std::string why_not_at_rest(const Scene& scene) {
-  const auto acts = [](const auto& load) { return load.force != Vector2{}; };
+  const auto acts = [](const auto& load) { return norm(load.force.vector()) != 0; };
   if (std::ranges::any_of(scene.body_forces, acts)) return "loads.body lasts";
   if (std::ranges::any_of(scene.tractions, acts)) return "loads.traction lasts";
   for (const PrescribedCurve& prescribed : scene.prescribed) {
-    if (prescribed.displacement[0].value_or(0) != 0 || prescribed.displacement[1].value_or(0) != 0)
-      return "the displacement of '" + prescribed.curve + "' lasts";
+    if (moves(prescribed)) return "the displacement of '" + prescribed.curve + "' lasts";
   }
   if (scene.needles.empty()) return {};
   const NeedleParameters& last = scene.needles.back();

@@ -132,9 +132,10 @@ void print(const Scene& scene, const RunOptions& options, const RunOutcome& outc
   const auto& walls = summary["wall_times"];
   double total = 0;
   for (const auto& [phase, seconds] : walls.items()) total += seconds.get<double>();
-  std::printf("%lld steps on %d triangles and %d rank%s in %.2f s\n",
-              summary["steps"].get<long long>(), summary["n_triangles"].get<int>(),
-              summary["n_ranks"].get<int>(), summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
+  const char* cells = scene.dim() == 2 ? "triangles" : "tetrahedra";
+  std::printf("%lld steps on %d %s and %d rank%s in %.2f s\n", summary["steps"].get<long long>(),
+              summary[std::string("n_") + cells].get<int>(), cells, summary["n_ranks"].get<int>(),
+              summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
   std::printf("files in %s: summary.json, scene.yaml%s%s\n", outcome.folder.c_str(),
               scene.output.history ? ", history.csv" : "",
               scene.output.snapshots ? ", snapshots.h5 (open snapshots.xdmf in ParaView)" : "");

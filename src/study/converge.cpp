@@ -42,8 +42,9 @@ std::vector<std::string> quantities_of(const Scene& scene) {
   }
   if (!scene.needles.empty()) paths.emplace_back("peak_needle_force");
   for (const auto& probe : scene.probes) {
-    for (const char* component : {".0", ".1"})
-      paths.push_back(below("probes", probe.name) + component);
+    for (int k = 0; k < scene.dim(); ++k) {
+      paths.push_back(below("probes", probe.name) + "." + std::to_string(k));
+    }
   }
   if (paths.empty()) {
     throw InputError(scene.file + ": nothing to converge: the scene has no needle and no probes");
