@@ -15,10 +15,10 @@ if [ "$(id -u)" -eq 0 ]; then
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 fi
 
-# Configures and builds into build/; the argument says ON or OFF to the tests. Warnings of another
+# build TESTS [OPTIONS]: configures and builds into build/, with tests (ON) or without (OFF). Warnings of another
 # compiler must not keep a user from the program: they are errors where the environment asks for it.
 build() {
-  cmake -S "$root" -B "$root/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING="$1" \
+  cmake -S "$root" -B "$root/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING="$1" "${@:2}" \
     -DCMAKE_COMPILE_WARNING_AS_ERROR="${STYLET_WARNINGS_ARE_ERRORS:-OFF}" --log-level=WARNING
   ninja -C "$root/build" --quiet
 }

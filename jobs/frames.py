@@ -26,6 +26,7 @@ EXAMPLES = """examples:
   jobs/frames.py out/prostate
   jobs/frames.py out/prostate --field von_mises --every 5 --dpi 150
   jobs/frames.py out/prostate --no-gif
+  jobs/frames.py out/prostate --field image
 """
 
 CM = 100.0  # metres to centimetres
@@ -56,20 +57,47 @@ class Run:
         except OSError as error:
             raise BadInput(f"{folder / 'snapshots.h5'}: cannot be read: {error}") from None
         try:
-            self.seeds = json.loads((folder / "summary.json").read_text()).get("seeds", [])
+            summary = json.loads((folder / "summary.json").read_text())
         except (OSError, ValueError) as error:
             raise BadInput(f"{folder / 'summary.json'}: cannot be read: {error}") from None
+        self.seeds = summary.get("seeds", [])
+        self.place = summary.get("image")
+        self.texture = None
         self.steps = [self.file[name] for name in sorted(self.file) if name.startswith("step_")]
         if not self.steps:
             raise BadInput(f"{folder / 'snapshots.h5'}: holds no snapshot yet")
         self.field = field
+        if field == "image":
+            self.read_image()
+            return
         self.stored = "u" if field == "displacement" else field
         if self.stored not in self.steps[0]:
             names = [n for n, v in self.steps[0].items() if isinstance(v, h5py.Dataset)]
-            raise BadInput(f"--field {field}: the snapshots hold displacement, " + ", ".join(names))
+            raise BadInput(f"--field {field}: the run has image, where its scene asks for one, "
+                           "displacement, " + ", ".join(names))
         unit = text(self.steps[0][self.stored].attrs["unit"])
         self.label, self.factor, unit = SHOWN.get(field, (field.replace("_", " "), 1.0, unit))
         self.label += f" ({unit})" if unit else ""
+
+    def read_image(self):
+        if self.place is None:
+            raise BadInput(f"--field image: {self.folder} has none: its scene has no key 'image'")
+        with Image.open(self.folder / "image.png") as image:
+            self.texture = np.asarray(image.convert("RGB"))
+
+    def deformed_image(self, step, lower, upper):
+        """The picture where the tissue is now, on a grid between two corners in cm."""
+        height, width = self.texture.shape[:2]
+        pixel = self.place["size"][0] * CM / width
+        columns, rows = (int(np.ceil(extent / pixel)) for extent in upper - lower)
+        canvas = np.zeros((rows, columns, 3), dtype=np.uint8)
+        mesh = self.file[text(step.attrs["mesh"])]
+        places = (mesh["coordinates"][:] - self.place["origin"]) / self.place["size"]
+        places = places * [width, -height] + [0, height]  # in pixels of the picture
+        now = (self.points(step) - lower) / pixel
+        for corners in self.triangles(step):
+            warp(self.texture, places[corners], canvas, now[corners])
+        return canvas
 
     def points(self, step):
         """Nodes where they are now, in cm."""
@@ -92,7 +120,8 @@ class Run:
         """Colour range and axes that hold all snapshots."""
         low, high, corners = np.inf, -np.inf, []
         for step in self.steps:
-            values, points = self.values(step), self.points(step)
+            points = self.points(step)
+            values = np.zeros(1) if self.texture is not None else self.values(step)
             # The few elements at the tip may be singular; they must not take all the colours.
             low = min(low, np.percentile(values, 0.5))
             high = max(high, np.percentile(values, 99.5))
@@ -111,6 +140,23 @@ class Run:
         return (low, high), corners.min(axis=0) - margin, corners.max(axis=0) + margin
 
 
+def warp(source, corners, canvas, now):
+    """Copies a triangle of a picture to its place on the canvas; corners in pixels of either."""
+    edges = np.array([now[1] - now[0], now[2] - now[0]]).T
+    if np.linalg.det(edges) == 0:
+        return
+    low = np.maximum(np.floor(now.min(axis=0)).astype(int), 0)
+    high = np.minimum(np.ceil(now.max(axis=0)).astype(int), canvas.shape[1::-1])
+    x, y = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
+    second, third = np.linalg.solve(edges, np.array([x.ravel() + 0.5, y.ravel() + 0.5])
+                                    - now[0][:, None])
+    inside = (second >= -1e-9) & (third >= -1e-9) & (second + third <= 1 + 1e-9)
+    weights = np.array([1 - second - third, second, third])[:, inside]
+    column, row = (corners.T @ weights).astype(int)
+    known = (column >= 0) & (row >= 0) & (column < source.shape[1]) & (row < source.shape[0])
+    canvas[y.ravel()[inside][known], x.ravel()[inside][known]] = source[row[known], column[known]]
+
+
 def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
@@ -121,17 +167,11 @@ def colour_map(colours):
 
 def draw(axes, run, step, view, *, scale=1.0, final=False):
     """One moment. `scale` thins lines and markers in small panels."""
-    colours, lower, upper = view
-    points, triangles, values = run.points(step), run.triangles(step), run.values(step)
-    mesh = Triangulation(points[:, 0], points[:, 1], triangles)
-    look = {"cmap": colour_map(colours), "vmin": colours[0], "vmax": colours[1]}
-    if len(values) == len(points):
-        axes.tripcolor(mesh, values, shading="gouraud", **look)
+    lower, upper = view[1:]
+    if run.texture is None:
+        draw_field(axes, run, step, view[0], scale)
     else:
-        axes.tripcolor(mesh, facecolors=values, **look)
-    if len(triangles) <= MAX_TRIANGLES_WITH_EDGES:
-        colour = DARK if colours[0] < 0 else "white"  # the middle of a signed field is white
-        axes.triplot(mesh, color=colour, linewidth=0.35 * scale, alpha=0.3)
+        draw_image(axes, run, step, lower, upper)
 
     membrane = run.shape(step, "polylines", "membrane")
     if len(membrane):
@@ -155,13 +195,38 @@ def draw(axes, run, step, view, *, scale=1.0, final=False):
     axes.set_xlim(lower[0], upper[0])
     axes.set_ylim(lower[1], upper[1])
     axes.set_aspect("equal")
-    axes.set_facecolor("#f4f5f6")
+    axes.set_facecolor("#f4f5f6" if run.texture is None else "black")
     for locate in (axes.xaxis, axes.yaxis):
         locate.set_major_locator(MaxNLocator(nbins=5, integer=True))
     axes.tick_params(labelsize=9 * scale + 1, length=3)
     phase = text(step.attrs["phase"])
     axes.set_title(f"{step.attrs['time']:.2f} s" + (f"   {phase}" if phase else ""),
                    fontsize=11 * scale + 1, color=DARK)
+
+
+def draw_image(axes, run, step, lower, upper):
+    """The picture as the tissue deforms it, with less echo behind the needle: the probe is below."""
+    canvas = run.deformed_image(step, lower, upper)
+    axes.imshow(canvas, origin="lower", extent=(lower[0], upper[0], lower[1], upper[1]),
+                interpolation="bilinear")
+    needle = run.shape(step, "polylines", "needle")
+    if len(needle):
+        start, end = needle
+        behind = np.array([start, end, [end[0], upper[1]], [start[0], upper[1]]])
+        axes.fill(*behind.T, color="black", alpha=run.place["shadow"], linewidth=0, zorder=2)
+
+
+def draw_field(axes, run, step, colours, scale):
+    points, triangles, values = run.points(step), run.triangles(step), run.values(step)
+    mesh = Triangulation(points[:, 0], points[:, 1], triangles)
+    look = {"cmap": colour_map(colours), "vmin": colours[0], "vmax": colours[1]}
+    if len(values) == len(points):
+        axes.tripcolor(mesh, values, shading="gouraud", **look)
+    else:
+        axes.tripcolor(mesh, facecolors=values, **look)
+    if len(triangles) <= MAX_TRIANGLES_WITH_EDGES:
+        colour = DARK if colours[0] < 0 else "white"  # the middle of a signed field is white
+        axes.triplot(mesh, color=colour, linewidth=0.35 * scale, alpha=0.3)
 
 
 def draw_errors(axes, run, scale):
@@ -180,6 +245,8 @@ def draw_errors(axes, run, scale):
 
 
 def add_colourbar(figure, axes, run, view, **place):
+    if run.texture is not None:
+        return
     low, high = view[0]
     scale = plt.cm.ScalarMappable(plt.Normalize(low, high), colour_map(view[0]))
     # Values outside the range of the colours exist by choice (see Run.limits).
@@ -210,14 +277,16 @@ def write_frames(run, steps, view, folder, dpi):
     return paths
 
 
-def write_gif(paths, target, view):
+def write_gif(run, paths, target, view):
     pictures = [Image.open(path).convert("RGB") for path in paths]
     # One palette for all, so that colours do not flicker; half of its source are the field's own
     # colours, so that they do not show steps.
     source = pictures[len(pictures) // 2].copy()
-    colours = plt.get_cmap(colour_map(view[0]))(np.linspace(0, 1, source.height // 2), bytes=True)
-    strip = np.repeat(colours[:, None, :3], source.width, axis=1)
-    source.paste(Image.fromarray(strip), (0, source.height // 2))
+    if run.texture is None:
+        colours = plt.get_cmap(colour_map(view[0]))(np.linspace(0, 1, source.height // 2),
+                                                    bytes=True)
+        strip = np.repeat(colours[:, None, :3], source.width, axis=1)
+        source.paste(Image.fromarray(strip), (0, source.height // 2))
     palette = source.quantize(256)
     pictures = [p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures]
     durations = [120] * (len(pictures) - 1) + [2000]  # ms; the result stays longer
@@ -256,7 +325,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("outdir", type=Path, help="output folder of a run; pictures go to OUTDIR/frames")
     parser.add_argument("--field", default="displacement",
-                        help="displacement (default), von_mises or another stored field")
+                        help="displacement (default), image, von_mises or another stored field")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="every Nth snapshot")
     parser.add_argument("--dpi", type=int, default=110, help="resolution (default 110)")
     parser.add_argument("--no-gif", action="store_true", help="no animation")
@@ -280,7 +349,7 @@ def main():
         paths = write_frames(run, [run.steps[i] for i in chosen], view, folder, options.dpi)
         write_panel(run, view, folder / "overview.png", options.dpi)
         if not options.no_gif:
-            write_gif(paths, folder / "overview.gif", view)
+            write_gif(run, paths, folder / "overview.gif", view)
         own.seal(names)
     except BadInput as error:
         print(f"frames.py: {error}", file=sys.stderr)

@@ -8,6 +8,8 @@ find_package(nlohmann_json ${stylet_need})
 pkg_check_modules(STYLET_PETSC ${stylet_need} IMPORTED_TARGET PETSc SLEPc)
 pkg_check_modules(STYLET_YAML ${stylet_need} IMPORTED_TARGET yaml-cpp)
 pkg_check_modules(STYLET_HDF5 ${stylet_need} IMPORTED_TARGET hdf5-openmpi)
+pkg_check_modules(STYLET_PNG ${stylet_need} IMPORTED_TARGET libpng)
+pkg_check_modules(STYLET_JPEG ${stylet_need} IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(STYLET_UDUNITS ${stylet_need} IMPORTED_TARGET udunits)
 # These two have no pkg-config file in Debian 12.
 foreach(library metis cholmod)

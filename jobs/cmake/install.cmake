@@ -26,7 +26,7 @@ install(FILES meshes/prostate.geo meshes/prostate.msh DESTINATION ${data}/meshes
 # All scripts but those that need the source tree.
 install(DIRECTORY jobs DESTINATION ${data} USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN *.py
         PATTERN bench.py EXCLUDE PATTERN peers.py EXCLUDE
-        PATTERN profile.py EXCLUDE PATTERN slurm EXCLUDE PATTERN cmake EXCLUDE
+        PATTERN profile.py EXCLUDE PATTERN window_speed.py EXCLUDE PATTERN slurm EXCLUDE PATTERN cmake EXCLUDE
         PATTERN __pycache__ EXCLUDE)
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
@@ -37,4 +37,5 @@ set(config ${CMAKE_INSTALL_LIBDIR}/cmake/stylet)
 install(EXPORT styletTargets NAMESPACE stylet:: DESTINATION ${config})
 install(FILES jobs/cmake/styletConfig.cmake jobs/cmake/dependencies.cmake
         ${PROJECT_BINARY_DIR}/styletConfigVersion.cmake DESTINATION ${config})
-install(DIRECTORY include/stylet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN app EXCLUDE)
+install(DIRECTORY include/stylet DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} PATTERN app EXCLUDE
+        PATTERN view EXCLUDE)

@@ -32,7 +32,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS python3)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS
     "openmpi-bin, python3-numpy, python3-h5py, python3-matplotlib, python3-pil")
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-openturns, paraview")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-openturns, paraview, libgl1-mesa-dri, fonts-dejavu-core")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "needle insertion into soft tissue
 Stylet simulates how a needle deforms and cuts soft tissue and where the seeds
 that it leaves there end up: finite elements in the plane, on one or many
@@ -41,7 +41,7 @@ ranks.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libstylet-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "petsc-dev, slepc-dev, libopenmpi-dev, libsuitesparse-dev, libmetis-dev, libhdf5-openmpi-dev, libyaml-cpp-dev, libudunits2-dev, nlohmann-json3-dev, pkg-config")
+    "petsc-dev, slepc-dev, libopenmpi-dev, libsuitesparse-dev, libmetis-dev, libhdf5-openmpi-dev, libyaml-cpp-dev, libudunits2-dev, libpng-dev, libturbojpeg0-dev, nlohmann-json3-dev, pkg-config")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "needle insertion into soft tissue, library
 Headers, libraries and CMake files of Stylet, for programs that build a scene,
 step it and read its fields: find_package(stylet).")

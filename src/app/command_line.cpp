@@ -21,6 +21,7 @@ const char* const examples = R"(  stylet run input/prostate.yaml
   stylet tradeoff input/prostate.yaml --set time.step="5 ms"
   stylet plan input/prostate.yaml --depth-range "10 mm"
   mpirun -n 2 stylet sweep input/campaigns/figure09.yaml
+  stylet view input/prostate.yaml
   stylet schema
   stylet run input/prostate.yaml -- -ksp_monitor -pc_type gamg)";
 
@@ -67,6 +68,7 @@ class Verbs {
     tradeoff();
     plan();
     sweep();
+    view();
     CLI::App* schema =
         app_.add_subcommand("schema", "all keys of a scene: type, unit, range, default");
     schema->add_flag("--markdown", asked_.markdown, "as a table for the README");
@@ -204,6 +206,31 @@ class Verbs {
         "campaign");
     verb->add_flag("--join", campaign.join,
                    "take over what parts in the folder have run, then run what is missing");
+  }
+
+  void view() {
+    ViewArguments& options = asked_.view;
+    CLI::App* verb = app_.add_subcommand(
+        "view", "a window: the needle in your hand, the tissue as ultrasound shows it");
+    takes_scene(verb);
+    verb->add_option("--script", options.script,
+                     "file of orders to the hand; draws without a display (input/README.md)");
+    verb->add_option("--frames", options.frames, "folder of the script's pictures")
+        ->capture_default_str();
+    verb->add_option("--record", options.record,
+                     "recordings go to RECORD-1, RECORD-2, ... (default: out/view-<scene>)");
+    verb->add_flag("!--no-record", options.records, "record nothing");
+    verb->add_option(
+        "--plan", options.plan,
+        "scene whose needles are drawn over the tissue, such as a plan's planned.yaml");
+    verb->add_option("--size", options.size, "of window or pictures, in pixels")
+        ->capture_default_str();
+    verb->add_option("--letters", options.letters, "size of letters and marks, such as 1.5")
+        ->capture_default_str()
+        ->check(CLI::Range(0.5, 4.0));
+    verb->add_option("--seconds", options.seconds,
+                     "close the window by itself and print how fast it was")
+        ->check(CLI::NonNegativeNumber);
   }
 
   CLI::App& app_;

@@ -98,6 +98,7 @@ int program(std::vector<std::string> arguments, const std::string& bad_options) 
   if (verb == "tradeoff") return tradeoff_verb(asked.scene, asked.tradeoff);
   if (verb == "plan") return plan_verb(asked.scene, asked.plan);
   if (verb == "sweep") return sweep_verb(asked.scene, asked.sweep);
+  if (verb == "view") return view_verb(asked.scene, asked.view);
   return schema_verb(asked.markdown);
 }
 

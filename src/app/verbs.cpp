@@ -1,7 +1,7 @@
 #include "stylet/app/verbs.hpp"
 
+#include "stylet/app/stored_accuracy.hpp"
 #include "stylet/base/errors.hpp"
-#include "stylet/base/fingerprint.hpp"
 #include "stylet/base/memory.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/base/units.hpp"
@@ -11,13 +11,13 @@
 #include "stylet/scene/schema.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
+#include "stylet/simulation/picture.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/solvers/modes.hpp"
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <numbers>
 #include <optional>
 
@@ -32,30 +32,6 @@ bool prints() {
 Scene load(const SceneArguments& arguments) {
   return load_scene(arguments.file, read_on_all(MPI_COMM_WORLD, arguments.file),
                     arguments.overrides);
-}
-
-struct StoredAccuracy {
-  std::optional<Accuracy> study = {};
-  std::string missing = {};  ///< why the one that is there does not hold
-};
-
-/// Of the study beside the scene.
-StoredAccuracy stored_accuracy(const Scene& scene) {
-  const std::string path = accuracy_path(scene.file);
-  int there = 0;
-  if (prints()) there = std::filesystem::exists(path) ? 1 : 0;
-  MPI_Bcast(&there, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  if (there == 0) return {};
-  try {
-    Accuracy study(path, read_on_all(MPI_COMM_WORLD, path));
-    const std::string mesh = mesh_path(scene);
-    const std::string reason =
-        study.mismatch(scene, mesh.empty() ? mesh : fingerprint(read_on_all(MPI_COMM_WORLD, mesh)));
-    if (reason.empty()) return {std::move(study), {}};
-    return {{}, reason};
-  } catch (const InputError& error) {
-    return {{}, error.what()};
-  }
 }
 
 }  // namespace
@@ -92,6 +68,7 @@ int run_verb(SceneArguments arguments, RunOptions options, const std::string& ac
 
 int check_verb(const SceneArguments& arguments) {
   const Simulation simulation(MPI_COMM_WORLD, load(arguments), false);
+  if (simulation.scene().image) (void)picture_of(simulation.scene(), simulation.mesh());
   if (prints()) {
     std::printf("%s is valid\n%s", arguments.file.c_str(),
                 overview(simulation, size_of(MPI_COMM_WORLD)).c_str());
@@ -138,7 +115,9 @@ int stability_verb(const SceneArguments& arguments, const StabilityOptions& opti
 }
 
 int converge_verb(const SceneArguments& arguments, const ConvergeOptions& options) {
-  converge(MPI_COMM_WORLD, load(arguments), options);
+  std::string note;
+  converge(MPI_COMM_WORLD, with_procedure(MPI_COMM_WORLD, load(arguments), note), options);
+  if (prints() && !note.empty()) std::printf("note: %s\n", note.c_str());
   return static_cast<int>(ExitCode::done);
 }
 

@@ -3,6 +3,8 @@
 #include "stylet/base/sorted.hpp"
 #include "stylet/petsc/check.hpp"
 
+#include <numeric>
+
 namespace stylet {
 
 CondensedIntegrator::CondensedIntegrator(TissueOperator& tissue, const Mesh& mesh)
@@ -20,6 +22,14 @@ void CondensedIntegrator::touched(const Mesh& mesh, std::span<const int> cells) 
   sort_unique(edited_);
 }
 
+void CondensedIntegrator::renewed(const Mesh& mesh) {
+  std::vector<int> all(static_cast<std::size_t>(mesh.n_cells()));
+  std::iota(all.begin(), all.end(), 0);
+  cells_.update(mesh, all);
+  near_.forget();
+  stored_of_ = {};
+}
+
 StoredEnergy CondensedIntegrator::energy(const State& state) {
   if (stored_of_ == StateVersion(state)) return stored_;
   PetscScalar twice[2] = {0, 0};
@@ -33,6 +43,7 @@ std::vector<int> CondensedIntegrator::dofs_of(const ConstraintSet& constraints) 
   std::vector<int> dofs;
   for (const auto& c : constraints.dofs) dofs.push_back(c.dof);
   for (const auto& [dof, force] : constraints.forces) dofs.push_back(dof);
+  for (const auto& dashpot : constraints.dashpots) dofs.push_back(dashpot.dof);
   if (constraints.mean) {
     for (const auto& [dof, weight] : constraints.mean->weights) dofs.push_back(dof);
   }
@@ -44,6 +55,16 @@ void CondensedIntegrator::push(const ConstraintSet& constraints, std::span<const
   extra_.resize(near_.coordinates().size(), 0.0);
   for (const auto& [dof, force] : constraints.forces) {
     if (!near_.eliminated(dof)) extra_[near_.at(dof)] += force;
+  }
+}
+
+void CondensedIntegrator::damp(const ConstraintSet& constraints,
+                               double rate,
+                               const std::vector<double>& start) {
+  demand_.springs.clear();
+  for (const auto& [dof, coefficient, speed] : constraints.dashpots) {
+    const std::size_t at = near_.at(dof);
+    demand_.springs.push_back({at, coefficient * (speed - start[at]), coefficient * rate});
   }
 }
 
@@ -59,7 +80,7 @@ void CondensedIntegrator::collect_reactions(Vec residual) {
   for (const auto& c : held_) {
     if (left.owns(c.dof)) reaction[c.dof] = left[c.dof];
   }
-  for (const auto& g : given_) {
+  for (const auto& g : demand_.given) {
     const int dof = near_.coordinates()[g.at];
     if (left.owns(dof)) reaction[dof] = solution_.reaction[g.at];
   }

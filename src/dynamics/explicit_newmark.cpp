@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace stylet {
 
@@ -64,41 +65,6 @@ void ExplicitNewmark::make_room() {
   if (size_of(tissue_.comm()) > 1) force_.resize(2 * cells_.kernel().nodes().n_all());
 }
 
-StoredEnergy ExplicitNewmark::energy(const State& state) {
-  cells_.stiffness(state.u.get(), work_.get());
-  double twice[2] = {0, 0};
-  {
-    const Values u(state.u.get());
-    const Values v(state.v.get());
-    const Values force(work_.get());
-    const auto dim = static_cast<std::size_t>(tissue_.dim());
-    for (std::size_t i = 0; i < dim * node_mass_.size(); ++i) {
-      twice[0] += node_mass_[i / dim] * v.data()[i] * v.data()[i];
-      twice[1] += u.data()[i] * force.data()[i];
-    }
-  }
-  if (size_of(tissue_.comm()) > 1) {
-    MPI_Allreduce(MPI_IN_PLACE, twice, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm());
-  }
-  return {0.5 * twice[0], 0.5 * twice[1]};
-}
-
-// Central difference conserves 1/2 v M v + 1/2 u K u - h^2/8 a M a. With (omega h)^2 / 4 up to safety^2
-// the first two alone swing above it by 1 / (1 - safety^2); unstable steps conserve it too, while all
-// three grow.
-EnergyRules ExplicitNewmark::energy_rules() const {
-  constexpr int interval = 20;  // a K product in twenty steps costs below 5 %
-  constexpr double most = 0.9;
-  return {
-      .interval = interval,
-      .largest_swing = 1 / (1 - std::pow(std::min(safety_, most), 2)),
-      .advice = "a smaller time.safety, a finer mesh, or time.method implicit",
-      // Implicit steps relax what an interpolated field adds; explicit ones carry it on as waves.
-      .edits_advice =
-          "this tissue is too close to incompressible, or its elements too large, for "
-          "explicit steps; take time.method implicit"};
-}
-
 double ExplicitNewmark::stable_step() const {
   return safety_ * stylet::stable_step(bound_.value(), damping_.stiffness_factor);
 }
@@ -114,6 +80,13 @@ void ExplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
     node_mass_[static_cast<std::size_t>(node - tissue_.first_dof() / 2)] = masses[2 * node];
   }
   if (state_ != nullptr) accelerate_again(changed, rows);
+}
+
+void ExplicitNewmark::renewed(const Mesh& mesh) {
+  damping_ = tissue_.damping().value_or(RayleighDamping{});
+  std::vector<int> cells(static_cast<std::size_t>(mesh.n_cells()));
+  std::iota(cells.begin(), cells.end(), 0);
+  touched(mesh, cells);
 }
 
 // The next half step is under the accelerations of the state: where rows changed, they follow from the
@@ -335,28 +308,43 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
     blow_work_ += 0.25 * h_ * given * (before - after);
     change(c.dof, given, 0);
   }
+  // The force at the end of the step of the velocity that it leaves.
+  const auto damping = [&](int dof) {
+    const auto found = std::ranges::find(constraints.dashpots, dof, &Dashpot::dof);
+    return found == constraints.dashpots.end() ? 0.0 : found->coefficient;
+  };
+  for (const auto& [dof, coefficient, speed] : constraints.dashpots) {
+    if (!v.owns(dof)) continue;
+    const double inertia = mass[dof] * damped;
+    const double force = coefficient * (speed - v[dof]) * inertia / (inertia + half * coefficient);
+    change(dof, v[dof] + half * force / inertia, a[dof] + force / inertia);
+  }
   trial_contact_ = constraints.forces;
   Multipliers multipliers;
   if (constraints.mean) {
     const auto& mean = *constraints.mean;
     const auto mobility = [&](int dof) {
-      return is_given(dof, constraints.dofs) ? 0.0 : 1 / (mass[dof] * damped);
+      if (is_given(dof, constraints.dofs)) return 0.0;
+      return 1 / (mass[dof] * damped + half * damping(dof));
     };
-    double sums[4] = {0, 0, 0, 0};  // w.u, w.v, w.a, w.M^-1 w
+    const auto ratio = [&](int dof) { return half * damping(dof) / (mass[dof] * damped); };
+    double sums[5] = {0, 0, 0, 0, 0};  // w.u, w.v, w.a, w.M^-1 w, and of it what dashpots add
     for (const auto& [dof, weight] : mean.weights) {
       if (!v.owns(dof)) continue;
       sums[0] += weight * u[dof];
       sums[1] += weight * v[dof];
       sums[2] += weight * a[dof];
       sums[3] += weight * weight * mobility(dof);
+      sums[4] += weight * weight * mobility(dof) * ratio(dof);
     }
     if (size_of(tissue_.comm()) > 1) {
-      MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_DOUBLE, MPI_SUM, tissue_.comm());
+      MPI_Allreduce(MPI_IN_PLACE, sums, 5, MPI_DOUBLE, MPI_SUM, tissue_.comm());
     }
     if (!(sums[3] > 0)) throw_all_held();
-    const double steady = -sums[2] / sums[3];
     const double wanted = mean.rate + (mean.by_rate ? 0 : (mean.value - sums[0]) / h_);
     const double impulse = (wanted - sums[1]) / sums[3];
+    // Of w.a = 0 just after it, when dashpots pull with their new force.
+    const double steady = (impulse * sums[4] / half - sums[2]) / (sums[3] + sums[4]);
     multipliers.before = 2 * impulse / h_;
     multipliers.after = (steady + damping_.mass_factor * impulse) / damped;
     const auto [before, after] = multipliers;
@@ -370,10 +358,14 @@ ExplicitNewmark::Multipliers ExplicitNewmark::apply(const ConstraintSet& constra
         settled[dof] -= after * weight;
         continue;
       }
+      const double more = ratio(dof) * (steady - impulse / half);
       change(dof, v[dof] + impulse * weight * mobility(dof),
-             a[dof] + steady * weight * mobility(dof));
+             a[dof] + (steady + more) * weight * mobility(dof));
       blow_work_ += 0.25 * h_ * v[dof] * weight * (before - after);
     }
+  }
+  for (const auto& [dof, coefficient, speed] : constraints.dashpots) {
+    if (v.owns(dof)) trial_contact_.push_back({dof, coefficient * (speed - v[dof])});
   }
   std::ranges::reverse(overridden_);
   return multipliers;

@@ -106,13 +106,14 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
   near_.include(dofs_of(constraints));
   refresh_near();
   push(constraints, change_);
-  given_.clear();
+  demand_.given.clear();
   for (const auto& c : constraints.dofs) {
     const std::size_t at = near_.at(c.dof);
-    given_.push_back({at, increment_of(c, u_near_[at], v_near_[at])});
+    demand_.given.push_back({at, increment_of(c, u_near_[at], v_near_[at])});
   }
-  weights_.clear();
-  double value = 0;
+  damp(constraints, speed(), v_near_);
+  demand_.weights.clear();
+  demand_.value = 0;
   if (constraints.mean) {
     double u = 0;
     double moved = 0;  // by held dofs
@@ -125,13 +126,13 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
         moved += weight * held[1][0];
         continue;
       }
-      weights_.push_back({near_.at(dof), weight});
-      u += weight * u_near_[weights_.back().at];
+      demand_.weights.push_back({near_.at(dof), weight});
+      u += weight * u_near_[demand_.weights.back().at];
     }
-    value = constraints.mean->value - u - moved;
-    if (weights_.empty()) throw_all_held();
+    demand_.value = constraints.mean->value - u - moved;
+    if (demand_.weights.empty()) throw_all_held();
   }
-  solution_ = near_.solve(extra_, given_, weights_, value);
+  solution_ = near_.solve(extra_, demand_);
   return near_trial([&](std::size_t i) { return u_near_[i] + solution_.x[i]; },
                     [&](std::size_t i) { return v_near_[i] + speed() * solution_.x[i]; });
 }
@@ -141,8 +142,7 @@ void ImplicitNewmark::complete_near() {
   const auto left = [&](Vec x, Vec residual) {
     keeps_products() ? balance_by_products(x, residual) : balance(x, residual);
   };
-  near_.complete(left, largest_, extra_, given_, weights_, solution_, increment_.get(),
-                 work_.get());
+  near_.complete(left, largest_, extra_, demand_, solution_, increment_.get(), work_.get());
   collect_reactions(work_.get());
   if (held_move_) check(VecAXPY(increment_.get(), 1, held_increment_.get()));
   if (keeps_products()) return;  // u_ and v_ are of the last balance

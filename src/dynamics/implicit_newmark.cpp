@@ -50,6 +50,12 @@ void ImplicitNewmark::touched(const Mesh& mesh, std::span<const int> cells) {
   products_.edited(tissue_, *state_, rows, tissue_.coupled(mesh, rows));
 }
 
+void ImplicitNewmark::renewed(const Mesh& mesh) {
+  CondensedIntegrator::renewed(mesh);
+  products_.forget();
+  shift_v_ = shift_a_ = 0;  // of no step
+}
+
 // Comes before an edit: what is edited then are the products of this state.
 void ImplicitNewmark::complete_at(std::span<const int>) {
   if (state_ != nullptr) products_.compare(*state_);

@@ -62,6 +62,14 @@ void QuasiStatic::factor() {
   fresh_ = true;
 }
 
+// The forces that hold the state belong to the matrices of before, so that the next step has to be
+// whole.
+void QuasiStatic::renewed(const Mesh& mesh) {
+  complete();
+  CondensedIntegrator::renewed(mesh);
+  renewed_ = true;
+}
+
 // Solves for loads, and for displacements of held dofs if they are new.
 void QuasiStatic::load_tissue() {
   PetscReal size = 0;
@@ -133,26 +141,30 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
   }
   make_near(dofs_of(constraints));
   push(constraints, {});
-  given_.clear();
+  demand_.given.clear();
   for (const auto& c : constraints.dofs) {
     const std::size_t at = near_.at(c.dof);
-    given_.push_back({at, c.velocity ? start_[at] + h_ * c.value : c.value});
+    demand_.given.push_back({at, c.velocity ? start_[at] + h_ * c.value : c.value});
   }
-  weights_.clear();
-  double value = 0;
+  std::vector<double> start(start_.size());
+  for (std::size_t i = 0; i < start.size(); ++i) start[i] = -start_[i] / h_;
+  damp(constraints, 1 / h_, start);
+  demand_.weights.clear();
+  demand_.value = 0;
   if (constraints.mean) {
+    double& value = demand_.value;
     value = constraints.mean->value;
     for (const auto& [dof, weight] : constraints.mean->weights) {
       if (!near_.eliminated(dof)) {
-        weights_.push_back({near_.at(dof), weight});
+        demand_.weights.push_back({near_.at(dof), weight});
         continue;
       }
       const auto held = std::ranges::find(held_, dof, &PrescribedDof::dof);
       value -= weight * held->value;
     }
-    if (weights_.empty()) throw_all_held();
+    if (demand_.weights.empty()) throw_all_held();
   }
-  solution_ = near_.solve(extra_, given_, weights_, value);
+  solution_ = near_.solve(extra_, demand_);
   trial_ = near_trial([&](std::size_t i) { return solution_.x[i]; },
                       [&](std::size_t i) { return (solution_.x[i] - start_[i]) / h_; });
   trial_.iterations = near_.take_iterations();
@@ -160,7 +172,7 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
 }
 
 Trial QuasiStatic::finish(bool whole) {
-  whole_step_ = whole || loaded_;
+  whole_step_ = whole || loaded_ || renewed_;
   if (!whole_step_) return trial_;
   complete();
   const auto balance = [&](Vec x, Vec residual) {
@@ -170,7 +182,7 @@ Trial QuasiStatic::finish(bool whole) {
   };
   PetscReal largest = 0;
   check(VecNorm(rhs_.get(), NORM_INFINITY, &largest));
-  near_.complete(balance, largest, extra_, given_, weights_, solution_, u_.get(), work_.get());
+  near_.complete(balance, largest, extra_, demand_, solution_, u_.get(), work_.get());
   fresh_ = true;  // the near field may have solved for a correction
   collect_reactions(work_.get());
   if (loaded_) check(VecAXPY(u_.get(), 1, held_u_.get()));
@@ -192,6 +204,7 @@ StoredEnergy QuasiStatic::energy(const State& state) {
 void QuasiStatic::accept() {
   whole_u_ = whole_v_ = whole_step_;
   accepted_h_ = h_;
+  renewed_ = false;
   if (whole_step_) {
     check(VecCopy(u_.get(), state_->u.get()));
     check(VecCopy(v_.get(), state_->v.get()));
@@ -217,8 +230,9 @@ void QuasiStatic::accept() {
   accepted_ = solution_.x;
   start_ = solution_.x;
   forced_.clear();
-  for (const auto& g : given_) forced_.push_back(near_.coordinates()[g.at]);
-  for (const auto& w : weights_) forced_.push_back(near_.coordinates()[w.at]);
+  for (const auto& g : demand_.given) forced_.push_back(near_.coordinates()[g.at]);
+  for (const auto& s : demand_.springs) forced_.push_back(near_.coordinates()[s.at]);
+  for (const auto& w : demand_.weights) forced_.push_back(near_.coordinates()[w.at]);
   for (std::size_t i = 0; i < extra_.size(); ++i) {
     if (extra_[i] != 0) forced_.push_back(near_.coordinates()[i]);
   }

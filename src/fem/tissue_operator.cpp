@@ -2,7 +2,6 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/sorted.hpp"
-#include "stylet/fem/material.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/gather.hpp"
@@ -12,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace stylet {
 
@@ -20,7 +20,8 @@ TissueOperator::TissueOperator(MPI_Comm comm,
                                std::vector<int> first_node,
                                const TissueParameters& parameters,
                                std::function<bool(int)> needs_flips,
-                               Stiffness kept)
+                               Stiffness kept,
+                               bool keeps_regions)
     : comm_(comm),
       dim_(mesh.dim()),
       first_node_(std::move(first_node)),
@@ -37,51 +38,9 @@ TissueOperator::TissueOperator(MPI_Comm comm,
   const auto rank = static_cast<std::size_t>(rank_of(comm));
   begin_ = first_node_[rank];
   end_ = first_node_[rank + 1];
-  std::vector<bool> given(mesh.data().region_names.size(), false);
-  by_region_.resize(given.size());
-  bool uniform = true;
-  for (const auto& [region, elastic] : parameters_.regions) {
-    const auto index = static_cast<std::size_t>(mesh.region_index(region));
-    by_region_[index] = {moduli_of(elastic, parameters_.plane), elastic.density};
-    given[index] = true;
-    const auto& first = parameters_.regions.front().material;
-    uniform = uniform && elastic.youngs_modulus == first.youngs_modulus &&
-              elastic.poisson_ratio == first.poisson_ratio && elastic.density == first.density;
-  }
-  for (std::size_t r = 0; r < given.size(); ++r) {
-    if (!given[r]) {
-      throw InputError(mesh.data().source + ": region '" + mesh.data().region_names[r] +
-                       "' of the mesh has no material in tissue.regions");
-    }
-  }
-  if (!uniform && needs_flips_) region_map_.emplace(mesh);
+  take_materials(mesh);
+  if (needs_flips_ && (!uniform_ || keeps_regions)) region_map_.emplace(mesh);
   make_pattern(mesh);
-}
-
-TissueOperator::CellMaterial TissueOperator::material(int cell) const {
-  if (const auto mixed = mixed_.find(cell); mixed != mixed_.end()) return mixed->second;
-  return by_region_[static_cast<std::size_t>(cell_region_[static_cast<std::size_t>(cell)])];
-}
-
-Moduli TissueOperator::moduli(int cell) const {
-  return material(cell).moduli;
-}
-double TissueOperator::density(int cell) const {
-  return material(cell).density;
-}
-
-void TissueOperator::remix(const Mesh& mesh, std::span<const int> cells) {
-  if (!region_map_) return;
-  for (const int cell : cells) {
-    CellMaterial mean{};
-    for (const auto& [region, share] : region_map_->shares(mesh, cell)) {
-      const auto& part = by_region_[static_cast<std::size_t>(region)];
-      mean.moduli.lambda += share * part.moduli.lambda;
-      mean.moduli.mu += share * part.moduli.mu;
-      mean.density += share * part.density;
-    }
-    mixed_[cell] = mean;
-  }
 }
 
 void TissueOperator::make_pattern(const Mesh& mesh) {
@@ -148,6 +107,21 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
     check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
   }
   fill(mesh, all);
+}
+
+void TissueOperator::fill_all(const Mesh& mesh) {
+  std::vector<int> all(static_cast<std::size_t>(end_ - begin_));
+  std::iota(all.begin(), all.end(), begin_);
+  if (kept_ == Stiffness::rows) {
+    fill_rows(mesh, all);
+  } else {
+    fill(mesh, all);
+  }
+}
+
+void TissueOperator::expect_flips(const Mesh& mesh, std::function<bool(int)> needs_flips) {
+  needs_flips_ = std::move(needs_flips);
+  if (kept_ == Stiffness::matrix) make_pattern(mesh);
 }
 
 OwnedVec TissueOperator::make_vector() const {

@@ -219,34 +219,79 @@ class Solid {
   }
 
   void check_pair(const Triangle& s, const Triangle& t) const {
-    const bool joined =
-        std::ranges::any_of(s, [&](int n) { return std::ranges::find(t, n) != t.end(); });
-    if (joined) return;
+    const auto in = [](const Triangle& triangle, int n) {
+      return std::ranges::find(triangle, n) != triangle.end();
+    };
+    const auto shared = std::ranges::count_if(s, [&](int n) { return in(t, n); });
     for (std::size_t i = 0; i < 3; ++i) {
-      check_edge(s[i], s[(i + 1) % 3], t);
-      check_edge(t[i], t[(i + 1) % 3], s);
+      if (!in(t, s[i])) check_node(s[i], t);
+      if (!in(s, t[i])) check_node(t[i], s);
     }
+    if (shared == 2) {
+      check_joined(s, t, *std::ranges::find_if_not(s, [&](int n) { return in(t, n); }),
+                   *std::ranges::find_if_not(t, [&](int n) { return in(s, n); }));
+      return;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t next = (i + 1) % 3;
+      if (!in(t, s[i]) && !in(t, s[next])) check_edge(s[i], s[next], t);
+      if (!in(s, t[i]) && !in(s, t[next])) check_edge(t[i], t[next], s);
+    }
+  }
+
+  [[nodiscard]] std::string triangle_name(const Triangle& t) const {
+    return "the outer triangle of nodes " + name(t[0]) + ", " + name(t[1]) + " and " + name(t[2]);
+  }
+
+  [[nodiscard]] Vector3 normal_of(const Triangle& t) const {
+    const Vector3 normal = cross(place(t[1]) - place(t[0]), place(t[2]) - place(t[0]));
+    return (1 / norm(normal)) * normal;
+  }
+
+  // Whether a place in the plane of a triangle is in it.
+  [[nodiscard]] bool covers(const Triangle& t, const Vector3& normal, const Place& x) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3 side = place(t[(i + 1) % 3]) - place(t[i]);
+      if (dot(cross(side, x - place(t[i])), normal) < -touch_ * norm(side)) return false;
+    }
+    return true;
+  }
+
+  // A node that hangs at a face of tetrahedra that do not have it.
+  void check_node(int n, const Triangle& t) const {
+    const Vector3 normal = normal_of(t);
+    if (std::abs(dot(place(n) - place(t[0]), normal)) > touch_ || !covers(t, normal, place(n))) {
+      return;
+    }
+    fail("node " + name(n) + " is on " + triangle_name(t) +
+         ", whose tetrahedron does not have it; allowed: tetrahedra that meet face to face");
+  }
+
+  // Two triangles at an edge, one on the other: faces of tetrahedra that meet without sharing them.
+  void check_joined(const Triangle& s, const Triangle& t, int of_s, int of_t) const {
+    if (std::abs(dot(place(of_s) - place(t[0]), normal_of(t))) > touch_) return;
+    const auto one = std::ranges::find_if(s, [&](int n) { return n != of_s; });
+    const auto other = std::find_if(std::next(one), s.end(), [&](int n) { return n != of_s; });
+    const Vector3 edge = place(*other) - place(*one);
+    const auto away = [&](int n) { return cross(edge, place(n) - place(*one)); };
+    if (dot(away(of_s), away(of_t)) <= 0) return;  // side by side
+    fail(triangle_name(s) + " lies on " + triangle_name(t) +
+         ", and no tetrahedra share them; allowed: tetrahedra that meet face to face");
   }
 
   // Whether the edge from a to b goes through a triangle.
   void check_edge(int a, int b, const Triangle& t) const {
     const Place p = place(a);
     const Place q = place(b);
-    const Place c[3] = {place(t[0]), place(t[1]), place(t[2])};
-    const Vector3 normal = cross(c[1] - c[0], c[2] - c[0]);
-    const double before = dot(p - c[0], normal) / norm(normal);
-    const double after = dot(q - c[0], normal) / norm(normal);
+    const Vector3 normal = normal_of(t);
+    const double before = dot(p - place(t[0]), normal);
+    const double after = dot(q - place(t[0]), normal);
     if (std::min(before, after) > touch_ || std::max(before, after) < -touch_) return;
     if (before == after) return;  // in the plane: an edge that is not reaches through too
     const double share = std::clamp(before / (before - after), 0.0, 1.0);
-    const Place x = p + share * (q - p);
-    for (int i = 0; i < 3; ++i) {
-      const Vector3 side = c[(i + 1) % 3] - c[i];
-      if (dot(cross(side, x - c[i]), normal) < -touch_ * norm(side) * norm(normal)) return;
-    }
+    if (!covers(t, normal, p + share * (q - p))) return;
     fail("tetrahedra overlap: the outer edge from node " + name(a) + " to node " + name(b) +
-         " meets the outer triangle of nodes " + name(t[0]) + ", " + name(t[1]) + " and " +
-         name(t[2]) + "; allowed: one part that covers each point once");
+         " meets " + triangle_name(t) + "; allowed: one part that covers each point once");
   }
 
   const MeshData& mesh_;

@@ -83,11 +83,11 @@ int CutPath::skin_point(int node) const {
   return static_cast<int>(skin_.nodes().begin() - std::ranges::find(skin_.nodes(), node)) - 1;
 }
 
-SparseRow CutPath::row(TrackPlace place) const {
+std::optional<DofValue> CutPath::dof(TrackPlace place) const {
   const auto i = static_cast<std::size_t>(place.point < 0 ? -place.point - 1 : place.point);
   const int node = place.point < 0 ? skin_.nodes()[i] : track_.nodes()[i].node;
-  if (place.component == Component::along) return {{Axis::along_dof(node), Axis::along_sign}};
-  return {{Axis::across_dof(node), 1.0}};
+  if (place.component == Component::along) return DofValue{Axis::along_dof(node), Axis::along_sign};
+  return DofValue{Axis::across_dof(node), 1.0};
 }
 
 double CutPath::share_in() const {

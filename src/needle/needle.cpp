@@ -56,6 +56,15 @@ NeedleEdits Needle::enter(const Entry& entry, const NeedleView& start) {
   return path_.enter(entry, start);
 }
 
+void Needle::change(const CuttingParameters& cutting,
+                    const std::optional<FrictionParameters>& friction,
+                    double puncture_force,
+                    std::vector<double> region_modulus) {
+  parameters_.cutting = cutting;
+  parameters_.friction = friction;
+  path_.change(puncture_force, std::move(region_modulus));
+}
+
 std::vector<int> Needle::loaded_points() const {
   std::vector<int> points = path_.loaded_points();
   for (const auto& force : work_.last()) points.push_back(force.point);
@@ -91,6 +100,15 @@ void Needle::start_step(const NeedleStep& step) {
            : step.speed() < 0 ? NeedlePhase::retracting
                               : NeedlePhase::holding;
   const CuttingLaw law = parameters_.cutting.law;
+  // One cut a step: a hand that goes further would leave its tip behind.
+  if (law == CuttingLaw::increment &&
+      step.to - step.from > 1.000001 * parameters_.cutting.increment) {
+    throw NumericalError("needle '" + parameters_.name + "' goes " +
+                         ten_digits(step.to - step.from) + " m in a step, but cuts " +
+                         ten_digits(parameters_.cutting.increment) +
+                         " m at most; take a larger cutting.increment, a smaller time.step, or a "
+                         "slower hand");
+  }
   double advance = 0;
   // A tip that keeps cutting will advance about as far as last time.
   const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 && searches();
@@ -152,6 +170,8 @@ TrackConditions Needle::conditions() const {
     } else {
       set.forces.push_back(
           {along, shaft.slip_sign * sliding_force(*parameters_.friction, friction[i])});
+      const double viscous = viscous_coefficient(*parameters_.friction, friction[i]);
+      if (viscous > 0) set.dashpots.push_back({along, viscous, step_.speed()});
     }
   }
   if (tip_ == TipContact::open) return set;

@@ -106,7 +106,8 @@ ShaftContacts::Shaft ShaftContacts::commit(Track& track,
     if (!shaft.attached || lengths[i] <= 0) continue;
     const auto& point = trial.at(static_cast<int>(i));
     const bool sticks = shaft.contact == Contact::stick;
-    const double slip = shaft.slip_sign * sliding_force(law, lengths[i]);
+    const double slip = shaft.slip_sign * sliding_force(law, lengths[i]) +
+                        viscous_coefficient(law, lengths[i]) * (speed - point.v.along);
     const double settled = sticks ? point.settled.along : slip;
     sums.force += settled;
     PointForce& force = force_on(forces, static_cast<int>(i));

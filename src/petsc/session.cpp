@@ -60,6 +60,11 @@ std::vector<int> ignored_signals() {
   return ignored;
 }
 
+int& most_on_a_machine() {
+  static int n = 1;
+  return n;
+}
+
 std::vector<std::string>& given_options() {
   static std::vector<std::string> options;
   return options;
@@ -95,6 +100,7 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);  // as in main: MPI looks for the end
   char** all = arguments.data();
+  PETSC_MPI_THREAD_REQUIRED = MPI_THREAD_SERIALIZED;  // the window steps in a thread of its own
   check(SlepcInitialize(&count, &all, nullptr, nullptr));
   check(PetscOptionsClearValue(nullptr, skip.c_str()));
   // Errors are returned and become exceptions (check); PETSc's own traceback would repeat them.
@@ -104,10 +110,23 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   // below PETSc (MUMPS, hypre, ScaLAPACK) do not look at what their MPI calls return.
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_ARE_FATAL);
   for (const int signal : ignored) std::signal(signal, SIG_IGN);  // PETSc has forgotten it
-  // One thread a rank: CHOLMOD's loops over a front take four, whatever OMP_NUM_THREADS says, and a
-  // third longer for it.
-  omp_set_max_active_levels(0);
+  use_in_this_thread();
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  most_on_a_machine() = size_of(machine);
+  MPI_Comm_free(&machine);
+  MPI_Allreduce(MPI_IN_PLACE, &most_on_a_machine(), 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is a failed write, not an end
+}
+
+// One thread a rank: CHOLMOD's loops over a front take four, whatever OMP_NUM_THREADS says, and a third
+// longer for it.
+void use_in_this_thread() {
+  omp_set_max_active_levels(0);
+}
+
+int ranks_on_a_machine() {
+  return most_on_a_machine();
 }
 
 Session::~Session() {

@@ -1,10 +1,11 @@
 #include "stylet/scene/check.hpp"
 
 #include "stylet/base/errors.hpp"
-#include "stylet/base/index.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/scene/quantities.hpp"
+#include "stylet/scene/requirement.hpp"
 #include "stylet/scene/schema.hpp"
+#include "stylet/scene/schema_needle.hpp"
 #include "stylet/scene/writer.hpp"
 
 #include <algorithm>
@@ -14,10 +15,6 @@
 namespace stylet {
 
 namespace {
-
-std::string item(const std::string& list, std::size_t i) {
-  return list + "." + std::to_string(i);
-}
 
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items, std::string T::*name) {
@@ -40,84 +37,37 @@ class Rules {
   Rules(const Scene& scene, const Node& document) : scene_(scene), document_(document) {}
 
   void check() const {
-    check_dimension();
+    check_dimension(scene_, document_);
     check_mesh();
     check_tissue();
     check_loads();
     for (std::size_t i = 0; i < scene_.needles.size(); ++i) {
-      check_cutting(scene_.needles[i].cutting, item("needles", i) + ".cutting");
-      check_increment(scene_.needles[i], item("needles", i));
-      check_friction(scene_.needles[i].friction, item("needles", i) + ".friction");
+      check_laws(scene_.needles[i], item("needles", i));
       check_motion(scene_.needles[i].motion, item("needles", i) + ".motion");
     }
     check_needles_leave();
     check_names();
     check_time();
     check_expect();
+    check_procedure();
+    check_image();
+  }
+
+  void check_laws(const NeedleParameters& needle, const std::string& path) const {
+    check_cutting(needle.cutting, path + ".cutting");
+    check_increment(needle, path);
+    check_friction(needle.friction, path + ".friction");
   }
 
  private:
   void require(bool kept, const std::string& path, const std::string& allowed) const {
-    if (kept) return;
-    const Node& node = closest(document_, path);
-    if (node.path == path) refuse(node, allowed);
-    refuse_missing(node, path, allowed);
+    stylet::require(document_, kept, path, allowed);
   }
 
   void require_corners(const std::vector<ReferencePoint>& points,
                        std::size_t least,
                        const std::string& path) const {
     require(points.size() >= least, path, "at least " + std::to_string(least) + " points");
-  }
-
-  // What a scene in space has, and what only one in the plane has. Of a file the mesh will tell.
-  void check_dimension() const {
-    const bool plane = scene_.tissue.plane.has_value();
-    const bool is_box = std::holds_alternative<BoxMesh>(scene_.mesh.source);
-    const bool is_rectangle = std::holds_alternative<RectangleMesh>(scene_.mesh.source);
-    require(!is_box || !plane, "tissue.plane", "no plane, because mesh.box is in space");
-    require(plane || !is_rectangle, "tissue.plane", "stress, strain");
-    if (!plane) {
-      const std::string only = "only with tissue.plane: scenes in space have none so far";
-      require(is_box || scene_.needles.empty(), "tissue.plane",
-              "stress, strain, because the scene has needles, which are in the plane so far");
-      require(scene_.needles.empty(), "needles", only);
-      require(!scene_.membrane, "membrane", only);
-      require(scene_.targets.empty(), "targets", only);
-      require(scene_.needle_angle == std::numbers::pi, "needle_angle", only);
-      require(closest(document_, "tissue.thickness").path != "tissue.thickness", "tissue.thickness",
-              "only with tissue.plane");
-    }
-    const auto components = [&](std::size_t n, const std::string& path) {
-      require(n == static_cast<std::size_t>(scene_.dim()), path,
-              plane ? "[x, y], because of tissue.plane"
-                    : "[x, y, z] in space (for triangles give tissue.plane)");
-    };
-    for (std::size_t i = 0; i < scene_.body_forces.size(); ++i) {
-      components(at(scene_.body_forces[i].force.dim()), item("loads.body", i) + ".force");
-    }
-    for (std::size_t i = 0; i < scene_.tractions.size(); ++i) {
-      const std::string path = item("loads.traction", i);
-      require_boundary(path, plane);
-      require(scene_.tractions[i].force.dim() == scene_.dim(),
-              path + (plane ? ".stress" : ".force"),
-              plane ? "force, in N/m, because of tissue.plane"
-                    : "stress, in Pa, because the scene is in space");
-    }
-    for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
-      require_boundary(item("prescribed", i), plane);
-      components(scene_.prescribed[i].displacement.size(), item("prescribed", i) + ".displacement");
-    }
-    for (const Probe& probe : scene_.probes) {
-      components(at(probe.point.dim()), below("probes", probe.name));
-    }
-  }
-
-  void require_boundary(const std::string& path, bool plane) const {
-    const std::string other = path + (plane ? ".surface" : ".curve");
-    require(
-        closest(document_, other).path != other, other,
-        plane ? "a curve, because of tissue.plane" : "a surface, because the scene is in space");
   }
 
   void check_mesh() const {
@@ -286,7 +236,7 @@ class Rules {
 
   void check_time() const {
     const TimeParameters& time = scene_.time;
-    if (scene_.needles.empty()) {
+    if (scene_.needles.empty() && !scene_.procedure) {
       require(time.duration > 0, "time.duration", "> 0 s in a scene without needles");
       require(time.step <= time.duration || time.method == TimeMethod::explicit_newmark,
               "time.step", "at most time.duration, which is " + exact(time.duration) + " s");
@@ -315,17 +265,38 @@ class Rules {
   void check_expect() const {
     if (scene_.expect.empty()) return;
     const auto quantities = names_of(summary_quantities(scene_), &SummaryQuantity::path);
+    const Expectation open;
     for (std::size_t i = 0; i < scene_.expect.size(); ++i) {
       const Expectation& expect = scene_.expect[i];
       const std::string path = item("expect", i);
-      require(std::ranges::find(quantities, expect.quantity) != quantities.end(),
-              path + ".quantity",
-              "a number that a run of this scene has, such as '" +
-                  nearest(expect.quantity, quantities) + "'; all: " + join(quantities));
-      const Expectation open;
+      if (scene_.procedure) {  // its seeds are known in the run
+        require(unit_of_quantity(expect.quantity).has_value(), path + ".quantity",
+                "a number that a run has, such as seeds.0.world.0");
+      } else {
+        require(std::ranges::find(quantities, expect.quantity) != quantities.end(),
+                path + ".quantity",
+                "a number that a run of this scene has, such as '" +
+                    nearest(expect.quantity, quantities) + "'; all: " + join(quantities));
+      }
       require(expect.min != open.min || expect.max != open.max, path, "a min or a max, or both");
       require(expect.min <= expect.max, path + ".max", ">= min, which is " + exact(expect.min));
     }
+  }
+
+  void check_procedure() const {
+    if (!scene_.procedure) return;
+    require(scene_.needles.empty(), "needles",
+            "none, because the needles of a recorded procedure are in procedure.file");
+  }
+
+  void check_image() const {
+    if (!scene_.image) return;
+    const bool is_file = !scene_.image->file.empty();
+    const std::string allowed = is_file ? "where the picture of image.file lies"
+                                        : "only with image.file; a picture that is made covers the "
+                                          "tissue";
+    require(scene_.image->origin.has_value() == is_file, "image.origin", allowed);
+    require(scene_.image->size.has_value() == is_file, "image.size", allowed);
   }
 
   const Scene& scene_;
@@ -333,6 +304,17 @@ class Rules {
 };
 
 }  // namespace
+
+void require(const Node& document, bool kept, const std::string& path, const std::string& allowed) {
+  if (kept) return;
+  const Node& node = closest(document, path);
+  if (node.path == path) refuse(node, allowed);
+  refuse_missing(node, path, allowed);
+}
+
+std::string item(const std::string& list, std::size_t i) {
+  return list + "." + std::to_string(i);
+}
 
 void check_rules(const Scene& scene, const Node& document) {
   Rules(scene, document).check();

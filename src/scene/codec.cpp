@@ -26,18 +26,13 @@ std::string range_text(const Range& range, const std::string& unit) {
   return text + (range.note.empty() ? "" : " (" + range.note + ")");
 }
 
-bool in_range(double value, const Range& range) {
-  return (range.min_open ? value > range.min : value >= range.min) &&
-         (range.max_open ? value < range.max : value <= range.max);
-}
-
-double read_number(const Node& node, const Key& key, const Range& range) {
+double read_number(const Node& node, const Key& key) {
   if (node.kind != Node::Kind::scalar) refuse(node, offer(key));
   const Reading reading =
       key.unit.empty() ? read_plain(node.text) : read_quantity(node.text, key.unit);
   if (!reading.fault.empty()) refuse(node, offer(key), reading.fault);
   const double value = reading.value;
-  if (!in_range(value, range)) refuse(node, offer(key));
+  if (!key.range.holds(value)) refuse(node, offer(key));
   return value;
 }
 
@@ -72,8 +67,9 @@ std::string offer(const Key& key) {
 }
 
 Codec<double> number(const std::string& si_unit, const Range& range) {
-  const Key key{.type = "number", .unit = si_unit, .allowed = range_text(range, si_unit)};
-  return {key, [=](const Node& node, double& value) { value = read_number(node, key, range); },
+  const Key key{
+      .type = "number", .unit = si_unit, .allowed = range_text(range, si_unit), .range = range};
+  return {key, [=](const Node& node, double& value) { value = read_number(node, key); },
           [=](const double& value) { return Node::scalar(with_unit(value, si_unit)); }};
 }
 

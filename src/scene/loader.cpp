@@ -35,7 +35,8 @@ void resolve(Scene& scene, const Node& document) {
     }
   }
   const bool quasi_static = scene.time.method == TimeMethod::quasi_static;
-  if (scene.needles.empty() && quasi_static && !is_given(document, "time.duration")) {
+  const bool ends_itself = !scene.needles.empty() || scene.procedure;
+  if (!ends_itself && quasi_static && !is_given(document, "time.duration")) {
     scene.time.duration = scene.time.step;
   }
 }

@@ -95,8 +95,16 @@ std::vector<SummaryQuantity> summary_quantities(const Scene& scene) {
       quantities.push_back({owner + quantity.path, quantity.unit});
     }
   };
-  if (!scene.needles.empty()) add("", of_needles());
+  if (!scene.needles.empty() || scene.procedure) add("", of_needles());
   std::size_t n_seeds = 0;
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) {
+      if (row.kind != ProcedureRow::Kind::implant) continue;
+      const std::string seed = "seeds." + std::to_string(n_seeds++) + ".";
+      add(seed, of_a_seed());
+      if (!row.target.empty()) add(seed, of_a_target());
+    }
+  }
   for (const NeedleParameters& needle : scene.needles) {
     for (const Action& action : needle.motion) {
       if (action.kind != ActionKind::implant) continue;

@@ -127,8 +127,7 @@ Codec<TissueParameters> tissue() {
   return block<T>(
       {field("plane", &T::plane, choice(planes), "Plane stress or plane strain of triangles.")
            .otherwise("required for triangles, not allowed for tetrahedra"),
-       field("thickness", &T::thickness, number("m", positive),
-             "Extent out of plane.")
+       field("thickness", &T::thickness, number("m", positive), "Extent out of plane.")
            .written_if([](const T& given) { return given.plane.has_value(); }),
        field("formulation", &T::formulation, choice(formulations),
              "Kind of triangle or tetrahedron; p1_averaged does not lock.")
@@ -255,6 +254,30 @@ Codec<SupportKind> support() {
                               {"free", SupportKind::free}});
 }
 
+// What belongs to an interactive procedure
+
+Codec<ProcedureParameters> procedure() {
+  return block<ProcedureParameters>(
+      {field("file", &ProcedureParameters::file, text("a file name"),
+             "Rows of a recorded procedure, relative to the folder of the scene.")
+           .required()});
+}
+
+Codec<ImageParameters> image() {
+  using I = ImageParameters;
+  return block<I>(
+      {field("file", &I::file, text("a file name"),
+             "PNG or JPEG, relative to the folder of the scene; without it a picture like "
+             "ultrasound is made."),
+       field("origin", &I::origin, point<ReferencePoint>("m"), "Lower left corner of a file."),
+       field("size", &I::size, point<Vector2>("m", positive), "Width and height of a file."),
+       field("seed", &I::seed, integer(0), "Of the speckle of a picture that is made."),
+       field("attenuation", &I::attenuation, number("1/m", not_negative),
+             "Loss of echo with the distance from the lower edge, where the probe lies."),
+       field("shadow", &I::shadow, plain({.min = 0, .max = 1}),
+             "Share of the echo that is lost behind the needle.")});
+}
+
 Codec<Scene> scene() {
   using S = Scene;
   const auto in_tissue = point<ReferencePoint>("m");
@@ -282,7 +305,9 @@ Codec<Scene> scene() {
              "Points whose displacement is recorded."),
        field("time", &S::time, time(), "How time is stepped."),
        field("output", &S::output, output(), "What is written."),
-       field("expect", &S::expect, list(expectation()), "Makes the scene a test.")});
+       field("expect", &S::expect, list(expectation()), "Makes the scene a test."),
+       field("procedure", &S::procedure, procedure(), "A recorded hand, in the place of needles."),
+       field("image", &S::image, image(), "Picture of the tissue, written as image.png.")});
 }
 
 }  // namespace

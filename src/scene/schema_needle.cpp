@@ -36,18 +36,24 @@ Codec<CuttingParameters> cutting() {
 
 Codec<FrictionParameters> friction() {
   using F = FrictionParameters;
-  return block<F>({field("static_force", &F::static_force, number("N/m", not_negative),
-                         "Per metre of shaft, largest force that holds.")
-                       .required(),
-                   field("kinetic_force", &F::kinetic_force, number("N/m", not_negative),
-                         "Per metre of shaft, while tissue slides.")
-                       .required(),
-                   field("stick_speed", &F::stick_speed, number("m/s", not_negative),
-                         "Tissue that slides more slowly sticks again.")
-                       .required(),
-                   field("slip_speed", &F::slip_speed, number("m/s", positive),
-                         "Tissue that slides faster is sliding; above stick_speed.")
-                       .required()});
+  return block<F>(
+      {field("static_force", &F::static_force, number("N/m", not_negative),
+             "Per metre of shaft, largest force that holds.")
+           .required(),
+       field("kinetic_force", &F::kinetic_force, number("N/m", not_negative),
+             "Per metre of shaft, while tissue slides.")
+           .required(),
+       field("stick_speed", &F::stick_speed, number("m/s", not_negative),
+             "Tissue that slides more slowly sticks again.")
+           .required(),
+       field("slip_speed", &F::slip_speed, number("m/s", positive),
+             "Tissue that slides faster is sliding; above stick_speed.")
+           .required(),
+       field("viscous_coefficient", &F::viscous_coefficient, number("N s/m^2", not_negative),
+             "Per metre of shaft, what the force of sliding tissue grows by with its "
+             "speed.")
+           .written_if([](const F& f) { return f.viscous_coefficient > 0; })
+           .otherwise("0 N s/m^2")});
 }
 
 struct ActionEntry {
@@ -116,22 +122,32 @@ Codec<Action> action() {
   return {key, read, write};
 }
 
+std::vector<Field<NeedleParameters>> held_fields() {
+  using N = NeedleParameters;
+  return {field("name", &N::name, text("a name"), "For messages and output.")
+              .otherwise("needle1, needle2, ..."),
+          field("height", &N::height, number("m", anything),
+                "Coordinate of the axis across the needle.")
+              .required(),
+          field("diameter", &N::diameter, number("m", positive),
+                "What lies within half of it of an earlier needle's path is cut already."),
+          field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
+          field("friction", &N::friction, friction(),
+                "Friction along the shaft; without it there is none.")};
+}
+
 }  // namespace
 
+Codec<NeedleParameters> held_needle_codec() {
+  return block<NeedleParameters>(held_fields());
+}
+
 Codec<NeedleParameters> needle_codec() {
-  using N = NeedleParameters;
-  return block<N>(
-      {field("name", &N::name, text("a name"), "For messages and output.")
-           .otherwise("needle1, needle2, ..."),
-       field("height", &N::height, number("m", anything),
-             "Coordinate of the axis across the needle.")
-           .required(),
-       field("diameter", &N::diameter, number("m", positive),
-             "What lies within half of it of an earlier needle's path is cut already."),
-       field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
-       field("friction", &N::friction, friction(),
-             "Friction along the shaft; without it there is none."),
-       field("motion", &N::motion, list(action()), "What the needle does, in order.").required()});
+  auto fields = held_fields();
+  fields.push_back(
+      field("motion", &NeedleParameters::motion, list(action()), "What the needle does, in order.")
+          .required());
+  return block<NeedleParameters>(fields);
 }
 
 Codec<MembraneParameters> membrane_codec() {

@@ -305,6 +305,14 @@ Node parse_yaml(const std::string& file_name, const std::string& text) {
   return root;
 }
 
+std::string yaml_line(const Node& document) {
+  YAML::Emitter out;
+  out.SetMapFormat(YAML::Flow);
+  out.SetSeqFormat(YAML::Flow);
+  emit(out, document);
+  return out.c_str();
+}
+
 std::string yaml_text(const Node& document) {
   YAML::Emitter out;
   emit(out, document);

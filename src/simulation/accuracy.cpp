@@ -217,6 +217,7 @@ std::string studied_text(Scene scene) {
   scene.time.step = TimeParameters{}.step;
   scene.time.until_implanted = false;
   scene.output = {};
+  scene.image.reset();
   scene.expect.clear();
   return to_yaml(scene);
 }

@@ -9,19 +9,25 @@
 #include "stylet/needle/quality.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/track_binding.hpp"
 
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <stdexcept>
 #include <string>
 
 namespace stylet {
 
 namespace {
 
-NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene) {
+NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene, bool live) {
+  if (live && scene.dim() == 3) {
+    refuse_key(scene, "tissue.plane",
+               "missing; allowed: stress, strain, because needles are in the plane so far");
+  }
   NumberedMesh numbered = make_mesh(comm, scene);
   check_against_mesh(scene, numbered.mesh);
   return numbered;
@@ -45,20 +51,21 @@ OwnedVec zeros(const TissueOperator& tissue) {
 
 }  // namespace
 
-Body::Body(MPI_Comm comm, const Scene& scene)
+Body::Body(MPI_Comm comm, const Scene& scene, bool live)
     : scene_(scene),
-      numbered_(checked_mesh(comm, scene)),
+      numbered_(checked_mesh(comm, scene, live)),
       conditions_(scene, mesh()),
       tissue_(make_tissue(comm,
                           scene,
                           numbered_,
+                          live,
                           scene.dim() == 2 && scene.time.method == TimeMethod::explicit_newmark
                               ? Stiffness::rows
                               : Stiffness::matrix)),
       integrator_(make_integrator(*tissue_, mesh(), scene.time)),
       ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.depth()),
       held_(conditions_.prescribed(0)) {
-  if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty()) {
+  if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty() || live) {
     check_held(scene, mesh(), held_);
   }
   check_needles(scene, mesh(), conditions_);
@@ -69,6 +76,25 @@ Body::Body(MPI_Comm comm, const Scene& scene)
   std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
   std::iota(all.begin(), all.end(), 0);
   rewrites_.worst_quality = mesh().worst_quality(all);
+}
+
+void Body::expect(const NeedleParameters& needle) {
+  Scene scene = scene_;
+  scene.needles = {needle};
+  scene.needles.front().motion.clear();
+  check_needles(scene, mesh(), conditions_);
+  if (std::ranges::find(heights_, needle.height) != heights_.end()) return;
+  heights_.push_back(needle.height);
+  tissue_->expect_flips(mesh(), near_needles(scene_, mesh(), heights_));
+}
+
+void Body::renew_tissue() {
+  integrator_->complete();
+  const double before = ledger_.conserved(integrator_->energy(state_), *tissue_, state_);
+  tissue_->change(mesh(), scene_.tissue);
+  integrator_->renewed(mesh());
+  ledger_.changed(ledger_.conserved(integrator_->energy(state_), *tissue_, state_) - before);
+  renewed_ = state_.t > 0;  // else the run begins with it
 }
 
 const State& Body::state() const {
@@ -85,9 +111,11 @@ State& Body::state() {
 ConstraintSet Body::beside_held(const TrackConditions& conditions,
                                 const TrackOperator& track) const {
   ConstraintSet constraints = bind(conditions, track, tissue_->n_dofs());
-  std::erase_if(constraints.dofs, [&](const PrescribedDof& c) {
+  const auto is_held = [&](const auto& c) {
     return std::ranges::binary_search(held_, c.dof, {}, &PrescribedDof::dof);
-  });
+  };
+  std::erase_if(constraints.dofs, is_held);
+  std::erase_if(constraints.dashpots, is_held);
   return constraints;
 }
 
@@ -220,7 +248,11 @@ TrackTrial Body::view(const TrackOperator& track,
 }
 
 void Body::watch(const TrackOperator& track, std::span<const int> points) {
-  integrator_->watch(coordinates_of(track, points, tissue_->n_dofs()));
+  const auto coordinates = coordinates_of(track, points, tissue_->n_dofs());
+  if (!coordinates.empty() && coordinates.back() >= tissue_->n_dofs()) {
+    throw std::logic_error("integrators take points of single dofs, no rows yet");
+  }
+  integrator_->watch(coordinates);
 }
 
 void Body::start() {
@@ -256,7 +288,7 @@ void Body::update_load(double t) {
 
 Trial Body::attempt(const ConstraintSet& constraints, bool edited) {
   ConstraintSet set = constraints;
-  set.load_jumps = load_changes_;
+  set.load_jumps = load_changes_ || renewed_;
   return integrator_->attempt(set, edited);
 }
 
@@ -289,6 +321,7 @@ void Body::accept(const Trial& trial, double work, double dissipated) {
   integrator_->accept();
   if (load_changed_) check(VecCopy(load_.get(), last_load_.get()));
   load_changed_ = false;
+  renewed_ = false;
   if (ledger_.due()) ledger_.weigh(integrator_->energy(state_), *tissue_, state_);
 }
 

@@ -147,6 +147,13 @@ void EnergyLedger::measure(const StoredEnergy& stored,
   }
 }
 
+double EnergyLedger::conserved(const StoredEnergy& stored,
+                               const TissueOperator& tissue,
+                               const State& state) {
+  measure(stored, tissue, state);
+  return energies_.kinetic + energies_.strain - swing_;
+}
+
 void EnergyLedger::weigh(const StoredEnergy& stored,
                          const TissueOperator& tissue,
                          const State& state) {

@@ -6,6 +6,7 @@
 #include "stylet/needle/stops.hpp"
 #include "stylet/simulation/point_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -82,16 +83,35 @@ bool Schedule::comes_to_rest(const StepOutcome& outcome) {
 }
 
 void LiveHand::enter(NeedleParameters needle) {
+  ++n_entered_;
+  if (needle.name.empty()) needle.name = "needle" + std::to_string(n_entered_);
+  needle.motion.clear();
   orders_.push_back({Wish::Kind::enter, std::move(needle)});
 }
 
 void LiveHand::move(double speed) {
+  speed = std::clamp(speed, -most_, most_);
   if (speed != speed_) ++ended_;
   speed_ = speed;
 }
 
 void LiveHand::implant(std::string target) {
   orders_.push_back({Wish::Kind::implant, {}, std::move(target)});
+}
+
+void LiveHand::change(std::string key, double value) {
+  orders_.push_back({Wish::Kind::change, {}, {}, std::move(key), value});
+}
+
+void LiveHand::limit_speed(double most) {
+  most_ = most;
+  move(speed_);
+}
+
+void LiveHand::hold_at(double tip) {
+  orders_.clear();
+  tip_ = tip;
+  move(0);
 }
 
 void LiveHand::finish() {
@@ -101,7 +121,8 @@ void LiveHand::finish() {
 Wish LiveHand::next() const {
   if (orders_.empty()) return {};
   const Ordered& first = orders_.front();
-  return {first.kind, first.kind == Wish::Kind::enter ? &first.needle : nullptr, first.target};
+  return {first.kind, first.kind == Wish::Kind::enter ? &first.needle : nullptr, first.target,
+          first.key, first.value};
 }
 
 NeedleStep LiveHand::step(double longest) {
@@ -117,6 +138,14 @@ void LiveHand::implanted() {
   obeyed();
 }
 
+void LiveHand::changed() {
+  obeyed();
+}
+
+void LiveHand::refused() {
+  orders_.pop_front();
+}
+
 void LiveHand::obeyed() {
   orders_.pop_front();
   ++ended_;
@@ -128,6 +157,9 @@ void LiveHand::stepped(const NeedleStep& step, const StepOutcome& /*outcome*/) {
 
 double expected_time(const Scene& scene, const Mesh& mesh) {
   double total = scene.needles.empty() ? scene.time.duration : 0;
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) total += row.duration;
+  }
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
     const auto travels = travels_of(needle.motion, Axis::along_sign);

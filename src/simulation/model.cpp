@@ -97,13 +97,63 @@ void check_name(const Scene& scene, const std::string& key, Lookup&& lookup) {
 
 }  // namespace
 
-std::string mesh_path(const Scene& scene) {
-  const auto* name = std::get_if<std::string>(&scene.mesh.source);
-  if (name == nullptr) return {};
-  const std::filesystem::path file = *name;
+std::string path_in(const Scene& scene, const std::string& name) {
+  const std::filesystem::path file = name;
   const auto path =
       file.is_absolute() ? file : std::filesystem::path(scene.file).parent_path() / file;
   return path.lexically_normal().string();
+}
+
+std::string mesh_path(const Scene& scene) {
+  const auto* name = std::get_if<std::string>(&scene.mesh.source);
+  return name == nullptr ? std::string() : path_in(scene, *name);
+}
+
+std::string procedure_path(const Scene& scene) {
+  return scene.procedure ? path_in(scene, scene.procedure->file) : std::string();
+}
+
+namespace {
+
+void check_targets(const Scene& scene) {
+  const auto& rows = scene.procedure->rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string& target = rows[i].target;
+    if (target.empty() ||
+        std::ranges::find(scene.targets, target, &Target::name) != scene.targets.end()) {
+      continue;
+    }
+    std::string names;
+    for (const Target& known : scene.targets) names += (names.empty() ? "" : ", ") + known.name;
+    refuse_key(scene, "procedure.file",
+               procedure_path(scene) + " leaves a seed for target '" + target + "'; allowed: " +
+                   (names.empty() ? "none, because the scene has no targets" : names));
+  }
+}
+
+}  // namespace
+
+std::vector<Pushing> pushings_of(const Scene& scene) {
+  std::vector<Pushing> pushings;
+  if (!scene.procedure) return pushings;
+  for (const ProcedureRow& row : scene.procedure->rows) {
+    if (row.kind == ProcedureRow::Kind::enter) pushings.push_back({row.needle.name});
+    if (row.kind != ProcedureRow::Kind::move || !(row.speed > 0) || pushings.empty()) continue;
+    pushings.back().duration += row.duration;
+    pushings.back().shortest = std::min(pushings.back().shortest, row.duration);
+  }
+  return pushings;
+}
+
+Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note) {
+  if (!scene.procedure || !scene.procedure->rows.empty()) return scene;
+  const std::string path = procedure_path(scene);
+  scene.procedure->rows = read_procedure(path, read_on_all(comm, path), note);
+  if (scene.procedure->rows.empty()) {
+    refuse_key(scene, "procedure.file", path + " has no rows; allowed: a recorded procedure");
+  }
+  check_targets(scene);
+  return scene;
 }
 
 Scene in_needle_frame(Scene scene) {
@@ -172,9 +222,6 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
 }
 
 void check_step(const Scene& scene, const Mesh& mesh, double step) {
-  // The reference scene's placement error moves by 0.2 % from 450 steps of insertion to 5, by 2 %
-  // to 1.
-  constexpr int fewest = 4;
   const auto require_countable = [&](double duration, const std::string& what) {
     constexpr double most = 1e12;  // far beyond any patience, and time still moves in each of them
     if (duration / step <= most) return;
@@ -183,6 +230,24 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
                      " s; allowed: at most 1e12 steps");
   };
   require_countable(scene.time.duration, "time.duration");
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) {
+      require_countable(row.duration, "a row of " + procedure_path(scene));
+      // A step that time.step does not know: its h^2 may vanish.
+      if (row.kind != ProcedureRow::Kind::move || row.duration >= 1e-9 * step) continue;
+      throw InputError(procedure_path(scene) + ": a row of " + ten_digits(row.duration) +
+                       " s; allowed: at least 1e-9 of time.step, which is " + ten_digits(step) +
+                       " s");
+    }
+    for (const Pushing& pushing : pushings_of(scene)) {
+      const double longest = std::max(pushing.duration / fewest_steps, pushing.shortest);
+      if (pushing.duration == 0 || step <= longest * (1 + 1e-9)) continue;
+      throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
+                       " s are too long for needle '" + pushing.needle + "', which is pushed for " +
+                       ten_digits(pushing.duration) + " s, " + ten_digits(pushing.shortest) +
+                       " s at least at one speed; allowed: at most " + ten_digits(longest) + " s");
+    }
+  }
   for (const auto& needle : scene.needles) {
     const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
     const auto travels = travels_of(needle.motion, Axis::along_sign);
@@ -196,7 +261,7 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
       if (action.kind == ActionKind::insert) inserting += moving;
     }
     if (inserting == 0) continue;
-    const double longest = inserting / fewest;
+    const double longest = inserting / fewest_steps;
     if (step <= longest * (1 + 1e-9)) continue;
     throw InputError(scene.file + ": key 'time.step': steps of " + ten_digits(step) +
                      " s are too long for needle '" + needle.name + "', which is inserted in " +
@@ -205,28 +270,33 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
   }
 }
 
-std::unique_ptr<TissueOperator> make_tissue(MPI_Comm comm,
-                                            const Scene& scene,
-                                            const NumberedMesh& numbered,
-                                            Stiffness kept) {
-  const Mesh& mesh = numbered.mesh;
-  std::function<bool(int)> needs_flips;
-  if (!scene.needles.empty()) {
-    needs_flips = [&scene, &mesh](int node) {
-      double size = 0;
-      for (const int other : mesh.neighbours(node)) {
-        size = std::max(size, distance(mesh.point(node), mesh.point(other)));
-      }
-      // Nodes that the needle may move or whose edges it may flip stand within about two elements;
-      // averaged dilatation hands a flip on to their neighbours.
-      const double reach = scene.tissue.formulation == Formulation::p1_averaged ? 4 : 3;
-      return std::ranges::any_of(scene.needles, [&](const NeedleParameters& needle) {
-        return std::abs(Axis::across(mesh.point(node)) - needle.height) < reach * size;
-      });
-    };
+std::function<bool(int)> near_needles(const Scene& scene,
+                                      const Mesh& mesh,
+                                      const std::vector<double>& heights) {
+  return [&scene, &mesh, heights](int node) {
+    double size = 0;
+    for (const int other : mesh.neighbours(node)) {
+      size = std::max(size, distance(mesh.point(node), mesh.point(other)));
+    }
+    // Nodes that the needle may move or whose edges it may flip stand within about two elements;
+    // averaged dilatation hands a flip on to their neighbours.
+    const double reach = scene.tissue.formulation == Formulation::p1_averaged ? 4 : 3;
+    return std::ranges::any_of(heights, [&](double height) {
+      return std::abs(Axis::across(mesh.point(node)) - height) < reach * size;
+    });
+  };
+}
+
+std::unique_ptr<TissueOperator> make_tissue(
+    MPI_Comm comm, const Scene& scene, const NumberedMesh& numbered, bool live, Stiffness kept) {
+  std::vector<double> heights;
+  if (!live) {
+    for (const NeedleParameters& needle : scene.needles) heights.push_back(needle.height);
   }
-  return std::make_unique<TissueOperator>(comm, mesh, numbered.first_node, scene.tissue,
-                                          needs_flips, kept);
+  std::function<bool(int)> needs_flips;
+  if (live || !heights.empty()) needs_flips = near_needles(scene, numbered.mesh, heights);
+  return std::make_unique<TissueOperator>(comm, numbered.mesh, numbered.first_node, scene.tissue,
+                                          needs_flips, kept, live);
 }
 
 std::vector<ReferencePoint> region_outline(const Mesh& mesh, const std::string& region) {

@@ -18,9 +18,8 @@ void note_strain(const Simulation& simulation, std::vector<std::string>& notes) 
   if (!(peak.value > most_strain)) return;
   notes.push_back("strain exceeded " + brief(std::round(100 * peak.value)) +
                   " % on a thousandth of the tissue" +
-                  (simulation.scene().needles.empty() ? "" : " away from the needle") +
-                  ", such as at " + point_text(simulation.scene(), peak.place) +
-                  " at t = " + brief(peak.time) +
+                  (simulation.pierces() ? " away from the needle" : "") + ", such as at " +
+                  point_text(simulation.scene(), peak.place) + " at t = " + brief(peak.time) +
                   " s; linear elasticity is good for small strain, up to some 10 %");
 }
 
@@ -56,18 +55,44 @@ void note_locking(const Scene& scene, std::vector<std::string>& notes) {
   }
 }
 
-void note_point_tips(const Scene& scene, std::vector<std::string>& notes) {
-  for (const NeedleParameters& needle : scene.needles) {
+/// Of the scene, of a recorded procedure, or the last one of a hand.
+std::vector<NeedleParameters> needles_of(const Simulation& simulation) {
+  const Scene& scene = simulation.scene();
+  std::vector<NeedleParameters> needles = scene.needles;
+  if (scene.procedure) {
+    for (const ProcedureRow& row : scene.procedure->rows) {
+      if (row.kind == ProcedureRow::Kind::enter) needles.push_back(row.needle);
+    }
+  } else if (needles.empty() && simulation.needle() != nullptr) {
+    needles.push_back(simulation.needle()->parameters());
+  }
+  return needles;
+}
+
+void note_point_tips(const Simulation& simulation, std::vector<std::string>& notes) {
+  for (const NeedleParameters& needle : needles_of(simulation)) {
     if (needle.cutting.tip_length > 0) continue;
     notes.push_back("needle '" + needle.name +
                     "' has a point tip (tip_length 0): its answer depends on the mesh");
   }
 }
 
+/// Hands may be as short as a step; scenes with needles are refused where that is so.
+void note_few_steps(const Simulation& simulation, std::vector<std::string>& notes) {
+  const Scene& scene = simulation.scene();
+  for (const Pushing& pushing : pushings_of(scene)) {
+    if (pushing.duration == 0) continue;
+    if (scene.time.step <= pushing.duration / fewest_steps * (1 + 1e-9)) continue;
+    notes.push_back("needle '" + pushing.needle + "' is pushed in " + brief(pushing.duration) +
+                    " s, fewer than four steps of time.step, " + brief(scene.time.step) +
+                    " s: its answer depends on them");
+  }
+}
+
 // Measured on one mesh with increments of 0.02 to 2 mm and steps of 0.5 to 20 ms: 3.5 to 5.5 mm, where
 // the consistent law gives 5.2.
-void note_increments(const Scene& scene, std::vector<std::string>& notes) {
-  for (const NeedleParameters& needle : scene.needles) {
+void note_increments(const Simulation& simulation, std::vector<std::string>& notes) {
+  for (const NeedleParameters& needle : needles_of(simulation)) {
     if (needle.cutting.law != CuttingLaw::increment) continue;
     notes.push_back("needle '" + needle.name +
                     "' cuts by increments: between cuts its tip force falls below the cutting "
@@ -197,11 +222,13 @@ void note_held_corners(const Simulation& simulation, std::vector<std::string>& n
 
 std::vector<std::string> notes_of(const Simulation& simulation) {
   std::vector<std::string> notes;
+  if (const auto& note = simulation.procedure_note(); !note.empty()) notes.push_back(note);
   note_motion(simulation, notes);
   note_strain(simulation, notes);
   note_locking(simulation.scene(), notes);
-  note_point_tips(simulation.scene(), notes);
-  note_increments(simulation.scene(), notes);
+  note_point_tips(simulation, notes);
+  note_increments(simulation, notes);
+  note_few_steps(simulation, notes);
   note_late(simulation, notes);
   note_cuts(simulation, notes);
   note_excess(simulation, notes);

@@ -248,7 +248,8 @@ class Overview {
         break;
     }
     line += ", ";
-    if (scene_.needles.empty()) (void)steps_text(time.duration);
+    if (!simulation_.pierces()) (void)steps_text(time.duration);
+    if (scene_.procedure) (void)steps_text(expected_time(scene_, mesh_));
     line += brief(n_steps_) + (n_steps_ == 1 ? " step of " : " steps of ") + time_text(time.step);
     if (time.method == TimeMethod::explicit_newmark) {
       const double stable = simulation_.counts().stable_step;
@@ -265,8 +266,7 @@ class Overview {
     const double n = mesh_.n_cells();
     constexpr double program = 50e6;
     constexpr double a_triangle = 2300;
-    const double memory =
-        in_space_ ? bytes_needed_in_space(scene_.time, n) : program + a_triangle * n;
+    const double memory = in_space_ ? bytes_needed(scene_, n) : program + a_triangle * n;
     add("size", "about " + bytes_text(memory * n_ranks_) + " of memory, " + bytes_text(disk()) +
                     " on disk");
     double a_step = 2.1e-7 * n;

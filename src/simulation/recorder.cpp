@@ -1,15 +1,18 @@
 #include "stylet/simulation/recorder.hpp"
 
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/cell_fields.hpp"
 #include "stylet/simulation/notes.hpp"
+#include "stylet/simulation/score.hpp"
 
 #include <petscversion.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace stylet {
@@ -47,12 +50,19 @@ void each_column(const Simulation& simulation, const StepRecord& step, Add&& add
   const Scene& scene = simulation.scene();
   const Rotation turn = simulation.rotation();
   add("time", "s", [&] { return step.t; });
-  if (!scene.needles.empty()) {
-    const auto tip = [&] {
+  if (simulation.pierces()) {
+    // Before a live hand has entered a needle there is none.
+    const bool is_there = simulation.needle() != nullptr;
+    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+    const auto tip = [&]() -> WorldPoint {
+      if (!is_there) return {nowhere, nowhere};
       const Needle& needle = *simulation.needle();
       return turn.to_scene(needle.axis().template at<WorldFrame>(needle.tip()));
     };
-    const auto reference = [&] { return turn.to_scene(simulation.needle()->tip_point()); };
+    const auto reference = [&]() -> ReferencePoint {
+      if (!is_there) return {nowhere, nowhere};
+      return turn.to_scene(simulation.needle()->tip_point());
+    };
     const NeedleForces& forces = step.needle.forces;
     add("tip_world_x", "m", [&] { return tip().x; });
     add("tip_world_y", "m", [&] { return tip().y; });
@@ -62,7 +72,8 @@ void each_column(const Simulation& simulation, const StepRecord& step, Add&& add
     add("force_friction", "N", [&] { return forces.friction; });
     add("force_needle", "N", [&] { return forces.total(); });
     if (scene.membrane) {
-      add("membrane_held", "", [&] { return simulation.needle()->at_membrane() ? 1 : 0; });
+      add("membrane_held", "",
+          [&] { return is_there && simulation.needle()->at_membrane() ? 1 : 0; });
       add("punctures", "", [&] { return simulation.counts().needle.punctures; });
     }
     add("n_stuck", "", [&] { return step.needle.n_stick; });
@@ -292,7 +303,7 @@ ordered_json summarise(MPI_Comm comm,
     }
     summary["seeds"].push_back(entry);
   }
-  if (!scene.needles.empty()) {
+  if (simulation.pierces()) {
     summary["peak_needle_force"] = counts.peak_needle_force;
     summary["hand_overs"] = counts.needle.hand_overs;
     summary["edge_flips"] = counts.edge_flips;
@@ -332,11 +343,17 @@ ordered_json summarise(MPI_Comm comm,
                        {"edits", e.edits},           {"balance_error", e.balance_error()}};
   summary["notes"] = notes_of(simulation);
   summary["n_nodes"] = simulation.mesh().n_nodes();
-  summary[scene.dim() == 2 ? "n_triangles" : "n_tetrahedra"] = simulation.mesh().n_cells();
+  summary["n_" + scene.cells()] = simulation.mesh().n_cells();
   summary["n_ranks"] = size_of(comm);
   summary["wall_times"] = wall_times;
   if (const auto& mesh = simulation.numbered().file_fingerprint; !mesh.empty()) {
     summary["fingerprints"]["mesh"] = mesh;
+  }
+  if (scene.procedure) {
+    std::string rows;
+    for (const ProcedureRow& row : scene.procedure->rows) rows += to_line(row);
+    summary["fingerprints"]["procedure"] = fingerprint(rows);
+    summary["score"] = json_of(score_of(simulation));
   }
   summary["solver"] = simulation.body().solver();
   summary["solver_options"] = solver_options();

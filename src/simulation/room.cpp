@@ -5,22 +5,13 @@
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
+#include "stylet/solvers/whole_solver.hpp"
 
 #include <cmath>
 
 namespace stylet {
 
 namespace {
-
-/// Of this communicator, on the machine where most of them are.
-int ranks_on_a_machine(MPI_Comm comm) {
-  MPI_Comm here = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-  int n = size_of(here);
-  MPI_Comm_free(&here);
-  MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_INT, MPI_MAX, comm);
-  return n;
-}
 
 double least_memory(MPI_Comm comm) {
   double bytes = memory_here();
@@ -30,47 +21,39 @@ double least_memory(MPI_Comm comm) {
 
 }  // namespace
 
-double bytes_needed(const TimeParameters& time, double n_triangles) {
+double bytes_needed(const Scene& scene, double n_cells) {
   constexpr double program = 50e6;
-  constexpr double operators = 700;
-  constexpr double with_factor = 2300;
-  const bool factors = time.method != TimeMethod::explicit_newmark;
-  return program + (factors ? with_factor : operators) * n_triangles;
-}
-
-// Factors of averaged tetrahedra with METIS have 14 n^1.46 numbers for n dofs, of which there are 0.55 a
-// tetrahedron; half as much again is for what CHOLMOD works in.
-double bytes_needed_in_space(const TimeParameters& time, double n_tetrahedra) {
-  constexpr double program = 50e6;
-  constexpr double operators = 4000;
-  double bytes = program + operators * n_tetrahedra;
-  if (time.method != TimeMethod::explicit_newmark) {
-    bytes += 170 * std::pow(0.55 * n_tetrahedra, 1.46);
+  const bool factors = scene.time.method != TimeMethod::explicit_newmark;
+  if (scene.dim() == 2) {
+    constexpr double operators = 700;
+    constexpr double with_factor = 2300;
+    return program + (factors ? with_factor : operators) * n_cells;
   }
-  return bytes;
+  const bool averages = scene.tissue.formulation == Formulation::p1_averaged;
+  const double operators = averages ? 4000 : 1200;
+  const double bytes = program + operators * n_cells;
+  constexpr double dofs_a_cell = 0.55;
+  return factors ? bytes + factor_bytes(3, dofs_a_cell * n_cells, averages ? 180 : 42) : bytes;
 }
 
-Room room_for(MPI_Comm comm, const TimeParameters& time, double n_cells, int refine, int dim) {
-  const int ranks = ranks_on_a_machine(comm);
+Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine) {
+  const int ranks = ranks_on_a_machine();
   const double there = least_memory(comm);
-  const auto refined = [&](int times) { return n_cells * std::pow(2.0, dim * times); };
-  const auto needed = [&](int times) {
-    return ranks * (dim == 2 ? bytes_needed(time, refined(times))
-                             : bytes_needed_in_space(time, refined(times)));
-  };
+  const auto refined = [&](int times) { return n_cells * std::pow(2.0, scene.dim() * times); };
+  const auto needed = [&](int times) { return ranks * bytes_needed(scene, refined(times)); };
   Room room;
   while (needed(room.finest + 1) <= there && room.finest < refine) ++room.finest;
   if (room.finest >= refine) return room;
   const auto gigabytes = [](double bytes) { return brief(std::ceil(1e-8 * bytes) / 10) + " GB"; };
-  room.lack = brief(refined(refine)) + (dim == 2 ? " triangles" : " tetrahedra") +
-              ", which need about " + gigabytes(needed(refine)) + " of memory" +
+  room.lack = brief(refined(refine)) + " " + scene.cells() + ", which need about " +
+              gigabytes(needed(refine)) + " of memory" +
               (ranks > 1 ? " on " + std::to_string(ranks) + " ranks" : "") + "; there are " +
               gigabytes(there);
   return room;
 }
 
 void require_room(MPI_Comm comm, const Scene& scene, double n_cells) {
-  const Room room = room_for(comm, scene.time, n_cells, scene.mesh.refine, scene.dim());
+  const Room room = room_for(comm, scene, n_cells, scene.mesh.refine);
   if (room.lack.empty()) return;
   const std::string makes = std::to_string(scene.mesh.refine) + " makes " + room.lack;
   if (room.finest >= 0) {

@@ -2,12 +2,17 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/fingerprint.hpp"
+#include "stylet/image/file.hpp"
 #include "stylet/output/folder.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/output/summary.hpp"
+#include "stylet/petsc/agree.hpp"
+#include "stylet/petsc/check.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/writer.hpp"
+#include "stylet/simulation/picture.hpp"
 #include "stylet/simulation/recorder.hpp"
+#include "stylet/simulation/score.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -98,7 +103,10 @@ void add_uncertainty(const Scene& scene,
   }
 }
 
-void print(const Scene& scene, const RunOptions& options, const RunOutcome& outcome) {
+void print(const Scene& scene,
+           const RunOptions& options,
+           const RunOutcome& outcome,
+           const std::optional<Score>& score) {
   const auto& summary = outcome.summary;
   bool known = true;
   for (std::size_t i = 0; i < summary["seeds"].size(); ++i) {
@@ -120,6 +128,7 @@ void print(const Scene& scene, const RunOptions& options, const RunOutcome& outc
                     ? "no convergence study of this scene at this mesh and step"
                     : options.accuracy_missing.c_str());
   }
+  if (score) std::fputs(text_of(*score).c_str(), stdout);
   for (const auto& note : summary["notes"]) {
     std::printf("note: %s\n", note.get<std::string>().c_str());
   }
@@ -132,10 +141,9 @@ void print(const Scene& scene, const RunOptions& options, const RunOutcome& outc
   const auto& walls = summary["wall_times"];
   double total = 0;
   for (const auto& [phase, seconds] : walls.items()) total += seconds.get<double>();
-  const char* cells = scene.dim() == 2 ? "triangles" : "tetrahedra";
   std::printf("%lld steps on %d %s and %d rank%s in %.2f s\n", summary["steps"].get<long long>(),
-              summary[std::string("n_") + cells].get<int>(), cells, summary["n_ranks"].get<int>(),
-              summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
+              summary["n_" + scene.cells()].get<int>(), scene.cells().c_str(),
+              summary["n_ranks"].get<int>(), summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
   std::printf("files in %s: summary.json, scene.yaml%s%s\n", outcome.folder.c_str(),
               scene.output.history ? ", history.csv" : "",
               scene.output.snapshots ? ", snapshots.h5 (open snapshots.xdmf in ParaView)" : "");
@@ -143,6 +151,7 @@ void print(const Scene& scene, const RunOptions& options, const RunOutcome& outc
 
 Contents contents_of(const Scene& scene) {
   Contents contents{"run", {"scene.yaml"}, {}};
+  if (scene.image) contents.names.emplace_back("image.png");
   if (scene.output.history) contents.names.emplace_back("history.csv");
   if (scene.output.snapshots) {
     for (const char* name : {"snapshots.h5", "snapshots.xdmf", "snapshots_needle.xdmf"}) {
@@ -180,11 +189,18 @@ bool close_after(const std::exception& failure,
 
 }  // namespace
 
+Scene with_absolute_paths(Scene scene) {
+  const auto make_absolute = [&](std::string& name) {
+    name = std::filesystem::absolute(path_in(scene, name)).lexically_normal().string();
+  };
+  if (auto* file = std::get_if<std::string>(&scene.mesh.source)) make_absolute(*file);
+  if (scene.procedure) make_absolute(scene.procedure->file);
+  if (scene.image && !scene.image->file.empty()) make_absolute(scene.image->file);
+  return scene;
+}
+
 std::string resolved_text(Scene scene) {
-  if (auto* file = std::get_if<std::string>(&scene.mesh.source)) {
-    *file = std::filesystem::absolute(mesh_path(scene)).lexically_normal().string();
-  }
-  return to_yaml(scene);
+  return to_yaml(with_absolute_paths(std::move(scene)));
 }
 
 RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
@@ -198,9 +214,18 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   };
   Simulation simulation(comm, scene, scene.output.history);
   const std::string resolved = resolved_text(scene);
+  std::optional<Picture> image;
+  if (scene.image) {
+    agree_after(comm, [&] { image = picture_of(simulation.scene(), simulation.mesh()); });
+  }
   const auto summary_now = [&](const std::string& status) {
     Json summary = summarise(comm, simulation, status, walls);
     summary["fingerprints"]["scene"] = fingerprint(resolved);  // of scene.yaml beside it
+    if (image) {
+      summary["image"] = {{"origin", {image->origin.x, image->origin.y}},
+                          {"size", {image->size.x, image->size.y}},
+                          {"shadow", scene.image->shadow}};
+    }
     return summary;
   };
   OutputFolder folder(comm, outcome.folder, contents_of(scene),
@@ -209,6 +234,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   try {
     folder.go_on(summary_now("running"));
     write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved);
+    if (image) write_text_atomically(comm, outcome.folder + "/image.png", png_of(*image));
     book("set_up");
     recorder.emplace(comm, simulation, outcome.folder);
     book("output");
@@ -236,7 +262,9 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     folder.fail(error, left);
     throw;
   }
-  if (rank_of(comm) == 0 && !options.quiet) print(scene, options, outcome);
+  std::optional<Score> score;
+  if (scene.procedure) score = score_of(simulation);
+  if (rank_of(comm) == 0 && !options.quiet) print(scene, options, outcome, score);
   return outcome;
 }
 

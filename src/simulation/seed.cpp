@@ -7,49 +7,45 @@
 
 namespace stylet {
 
-namespace {
-
 // A seed is where a needle left it that had cut its way there.
-void require_cut_in(const Needle& needle, double largest_tip_force) {
+std::string why_no_seed(const Needle& needle, double largest_tip_force) {
   const double path = needle.path_length();
   const double depth = needle.tip() - needle.skin();
   const std::string who = "needle '" + needle.parameters().name + "' ";
   if (needle.released()) {
-    throw NumericalError(who + "implants a seed, but its tip is not in the tissue: it stands " +
-                         brief(1e3 * std::abs(depth)) +
-                         (depth > 0 ? " mm behind the skin's place at entry, and the tissue has "
-                                      "moved away from it"
-                                    : " mm in front of the skin's place at entry"));
+    return who + "implants a seed, but its tip is not in the tissue: it stands " +
+           brief(1e3 * std::abs(depth)) +
+           (depth > 0
+                ? " mm behind the skin's place at entry, and the tissue has moved away from it"
+                : " mm in front of the skin's place at entry");
   }
   const bool beyond = needle.tip_contact() != TipContact::open && depth >= path;
   if (needle.track().size() == 2 && !beyond) {
-    throw NumericalError(who + "implants a seed " + brief(1e3 * depth) +
-                         " mm behind the skin, within its first cut, which goes " +
-                         brief(1e3 * path) +
-                         " mm at once, half-way through an element: only a finer mesh can tell how "
-                         "far it has cut");
+    return who + "implants a seed " + brief(1e3 * depth) +
+           " mm behind the skin, within its first cut, which goes " + brief(1e3 * path) +
+           " mm at once, half-way through an element: only a finer mesh can tell how far it has "
+           "cut";
   }
   // Part of the tip is in a shallow wound by right, but not in one that is a mere dent in the skin.
   constexpr double dent = 0.2;
   const double needed = needle.force_to_cut();
   const bool is_in = path >= needle.parameters().cutting.tip_length || path >= dent * depth;
-  if (needle.track().size() > 1 && is_in) return;
-  throw NumericalError(who + "implants a seed, but has not cut its way in: its tip force reached " +
-                       brief(largest_tip_force) + " N of the " + brief(needed) +
-                       " N that are needed, and its tip is " + brief(1e3 * path) +
-                       " mm in the tissue after " + brief(1e3 * depth) +
-                       " mm of insertion; a smaller cutting_force or puncture_force, or a deeper "
-                       "insert");
+  if (needle.track().size() > 1 && is_in) return {};
+  return who + "implants a seed, but has not cut its way in: its tip force reached " +
+         brief(largest_tip_force) + " N of the " + brief(needed) +
+         " N that are needed, and its tip is " + brief(1e3 * path) + " mm in the tissue after " +
+         brief(1e3 * depth) +
+         " mm of insertion; a smaller cutting_force or puncture_force, or a deeper insert";
 }
-
-}  // namespace
 
 Seed leave_seed(Body& body,
                 const Needle& needle,
                 const std::string& target,
                 double largest_tip_force) {
   const Mesh& mesh = body.mesh();
-  require_cut_in(needle, largest_tip_force);
+  if (const auto why = why_no_seed(needle, largest_tip_force); !why.empty()) {
+    throw NumericalError(why);
+  }
   const ReferencePoint p = needle.tip_point();
   const auto place = locate(mesh, p, mesh.cells_around(needle.track().tip()).front());
   if (!place) throw NumericalError("a seed fell outside the tissue");

@@ -6,6 +6,8 @@
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
+#include "stylet/simulation/recorded.hpp"
+#include "stylet/simulation/track_binding.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -53,12 +55,17 @@ Scene checked(Scene scene) {
 }  // namespace
 
 Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand)
-    : scene_(in_needle_frame(checked(std::move(scene)))),
-      body_(comm, scene_),
+    : scene_(in_needle_frame(with_procedure(comm, checked(std::move(scene)), procedure_note_))),
+      live_(hand != nullptr || scene_.procedure),
+      body_(comm, scene_, live_),
       hand_(std::move(hand)),
-      has_schedule_(!hand_),
       track_energy_(track_energy),
       expected_time_(expected_time(scene_, mesh())) {
+  if (hand_ && scene_.procedure) {
+    refuse_key(scene_, "procedure",
+               "has a hand of its own; allowed: a scene without, for this hand");
+  }
+  if (scene_.procedure) hand_ = std::make_unique<Recorded>(scene_.procedure->rows);
   if (!hand_) hand_ = std::make_unique<Schedule>(scene_, extent_of(mesh()));
   if (scene_.membrane) {
     auto& polygon = scene_.membrane->polygon;
@@ -84,8 +91,11 @@ StepRecord Simulation::step() {
 std::string Simulation::held_points() const {
   if (!needle_ || needle_->track().empty() || needle_->released()) return {};
   std::vector<int> nodes = needle_->watched();
-  const auto loaded = needle_->loaded_nodes();
-  nodes.insert(nodes.end(), loaded.begin(), loaded.end());
+  const int n_dofs = 2 * mesh().n_nodes();
+  for (const int dof :
+       coordinates_of(needle_->track_operator(), needle_->loaded_points(), n_dofs)) {
+    if (dof < n_dofs) nodes.push_back(dof / 2);
+  }
   const std::string points = held_points_text(scene_, mesh(), body_.held(), nodes);
   return points.empty() ? points
                         : "; needle '" + needle_->parameters().name +
@@ -144,57 +154,74 @@ void Simulation::count(const SubStep& step) {
 // as a whole step.
 void Simulation::watch_strain() {
   constexpr double moments = 32;
-  next_strain_ = time() + expected_time_ / moments;
+  constexpr double live_interval = 0.1;  // s
+  const double interval = expected_time_ / moments;
+  next_strain_ = time() + (interval > 0 ? interval : live_interval);
   const auto u = gather_all(body().state().u.get());
   const bool is_in = needle_ && !needle_->track().empty();
   raise(largest_strain_, mesh(), u, time(), is_in ? &needle_->track() : nullptr,
         is_in ? needle_->parameters().cutting.tip_length : 0);
 }
 
-// Enters needles, implants seeds, and ends the run.
+// Enters needles, implants seeds, changes numbers, and ends the run.
 void Simulation::act_without_time() {
   while (!done_) {
     const Wish wish = hand_->next();
-    switch (wish.kind) {
-      case Wish::Kind::step:
-        return;
-      case Wish::Kind::enter:
-        enter(*wish.needle);
-        break;
-      case Wish::Kind::implant:
-        implant(wish.target);
-        break;
-      case Wish::Kind::done:
-        done_ = true;
-        break;
+    if (wish.kind == Wish::Kind::step) return;
+    try {
+      fulfil(wish);
+    } catch (const InputError& error) {
+      hand_->refused();
+      if (!scene_.procedure) throw;
+      throw InputError(procedure_path(scene_) + ": " + error.what());
+    } catch (const Error&) {
+      hand_->refused();
+      throw;
     }
   }
 }
 
-void Simulation::enter(const NeedleParameters& parameters) {
-  if (!has_schedule_) check_needle(scene_, parameters);
-  EarlierCuts earlier;
-  if (needle_) {
-    if (!needle_->released()) {
-      throw NumericalError("needle '" + parameters.name + "' enters while needle '" +
-                           needle_->parameters().name + "' is in the tissue; take it out before");
-    }
-    earlier_needles_ = counts_.needle;
-    earlier = needle_->leave();
+void Simulation::fulfil(const Wish& wish) {
+  switch (wish.kind) {
+    case Wish::Kind::step:
+      break;
+    case Wish::Kind::enter:
+      enter(*wish.needle);
+      break;
+    case Wish::Kind::implant:
+      implant(wish.target);
+      break;
+    case Wish::Kind::change:
+      change(wish.key, wish.value);
+      hand_->changed();
+      break;
+    case Wish::Kind::done:
+      done_ = true;
+      break;
   }
+}
+
+void Simulation::enter(const NeedleParameters& parameters) {
+  if (needle_ && !needle_->released()) {
+    throw NumericalError("needle '" + parameters.name + "' enters while needle '" +
+                         needle_->parameters().name + "' is in the tissue; take it out before");
+  }
+  if (live_) {
+    check_needle(scene_, parameters);
+    body_.expect(parameters);
+  }
+  const Entry entry = find_entry(mesh(), {parameters.height}, parameters.name);
   NeedleTissue tissue;
+  if (needle_) {
+    earlier_needles_ = counts_.needle;
+    tissue.earlier = needle_->leave();
+  }
   if (scene_.membrane) {
     tissue.membrane = scene_.membrane->polygon;
     tissue.puncture_force = scene_.membrane->puncture_force;
   }
-  tissue.earlier = std::move(earlier);
-  tissue.region_modulus.resize(mesh().data().region_names.size());
-  for (const auto& region : scene_.tissue.regions) {
-    tissue.region_modulus[static_cast<std::size_t>(mesh().region_index(region.region))] =
-        region.material.youngs_modulus;
-  }
+  tissue.region_modulus = region_modulus();
   needle_.emplace(mesh(), parameters, std::move(tissue), body_.decides_by_velocity());
-  const Entry entry = find_entry(mesh(), needle_->axis(), parameters.name);
   std::vector<int> nodes{entry.node, entry.neighbour};
   std::ranges::sort(nodes);
   body_.apply(needle_->enter(entry, body_.view(nodes)), &needle_->track());
@@ -203,8 +230,26 @@ void Simulation::enter(const NeedleParameters& parameters) {
   hand_->entered(needle_->skin(), Axis::along(entry.x));
 }
 
+std::string Simulation::why_no_seed() const {
+  if (!needle_) return "a seed is to be left before a needle has entered";
+  return stylet::why_no_seed(*needle_, largest_tip_force_);
+}
+
+std::vector<double> Simulation::region_modulus() const {
+  std::vector<double> modulus(mesh().data().region_names.size());
+  for (const auto& region : scene_.tissue.regions) {
+    modulus[static_cast<std::size_t>(mesh().region_index(region.region))] =
+        region.material.youngs_modulus;
+  }
+  return modulus;
+}
+
 void Simulation::implant(const std::string& target) {
-  if (!needle_) throw NumericalError("a seed is to be left before a needle has entered");
+  if (!needle_) throw NumericalError(why_no_seed());
+  if (!target.empty() &&
+      std::ranges::find(scene_.targets, target, &Target::name) == scene_.targets.end()) {
+    throw InputError("a seed for target '" + target + "', which the scene does not have");
+  }
   const bool only = target.empty() && scene_.targets.size() == 1;
   seeds_.push_back(
       leave_seed(body_, *needle_, only ? scene_.targets[0].name : target, largest_tip_force_));

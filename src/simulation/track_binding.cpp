@@ -5,8 +5,7 @@
 namespace stylet {
 
 Coordinate find_coordinate(const TrackOperator& track, TrackPlace place, int n_dofs) {
-  const SparseRow row = track.row(place);
-  if (row.size() == 1) return {row[0].dof, row[0].value};
+  if (const auto one = track.dof(place)) return {one->dof, one->value};
   return {coordinate_of(n_dofs, place), 1};
 }
 
@@ -20,6 +19,10 @@ ConstraintSet bind(const TrackConditions& conditions, const TrackOperator& track
   for (const auto& [place, force] : conditions.forces) {
     const auto [index, sign] = find_coordinate(track, place, n_dofs);
     set.forces.push_back({index, sign * force});
+  }
+  for (const auto& [place, coefficient, speed] : conditions.dashpots) {
+    const auto [index, sign] = find_coordinate(track, place, n_dofs);
+    set.dashpots.push_back({index, coefficient, sign * speed});
   }
   if (!conditions.mean) return set;
   auto& mean = set.mean.emplace();

@@ -228,21 +228,24 @@ void NearField::unload() {
 }
 
 // Rows before `first` stay, and the part of later rows under them, but for rows whose mask changed.
-void NearField::refactor_dense(const std::vector<bool>& masked) {
+void NearField::refactor_dense(const std::vector<bool>& masked,
+                               const std::vector<double>& stiffness) {
   const std::size_t n = size();
   mask_.resize(n, false);
+  stiffness_.resize(n, 0.0);
   std::vector<bool> anew(n, false);
   std::size_t first = valid_;
   for (std::size_t i = 0; i < n; ++i) {
-    if (mask_[i] == masked[i]) continue;
-    anew[i] = true;
+    if (mask_[i] == masked[i] && stiffness_[i] == stiffness[i]) continue;
+    anew[i] = mask_[i] != masked[i];
     first = std::min(first, i);
   }
   mask_ = masked;
+  stiffness_ = stiffness;
   if (first == n) return;
   const auto entry = [&](std::size_t i, std::size_t j) {
     if (masked[i] || masked[j]) return i == j ? 1.0 : 0.0;
-    return k_[j * n + i];
+    return i == j ? k_[j * n + i] + stiffness[i] : k_[j * n + i];
   };
   const PetscBLASInt bn = blas(n);
   const PetscBLASInt done = blas(first);
@@ -278,16 +281,13 @@ void NearField::substitute(std::vector<double>& x) const {
   BLAStrsm_("L", "L", "T", "N", &n, &unit, &one, l_.data(), &n, x.data(), &n);
 }
 
-NearField::Solution NearField::solve(std::span<const double> extra,
-                                     std::span<const Given> given,
-                                     std::span<const Given> weights,
-                                     double value) {
-  if (size_of(comm_) == 1) return solve_here(extra, given, weights, value);
+NearField::Solution NearField::solve(std::span<const double> extra, const Demand& demand) {
+  if (size_of(comm_) == 1) return solve_here(extra, demand);
   const std::size_t n = size();
   Solution solution;
   std::optional<Failure> failure;
   try {
-    solution = solve_here(extra, given, weights, value);
+    solution = solve_here(extra, demand);
   } catch (const Error& error) {
     failure = Failure{error.code(), error.what()};
     valid_ = 0;
@@ -309,10 +309,7 @@ NearField::Solution NearField::solve(std::span<const double> extra,
   return solution;
 }
 
-NearField::Solution NearField::solve_here(std::span<const double> extra,
-                                          std::span<const Given> given,
-                                          std::span<const Given> weights,
-                                          double value) {
+NearField::Solution NearField::solve_here(std::span<const double> extra, const Demand& demand) {
   static const LogEvent event("StyletCondense");
   const LogScope scope(event);
   const std::size_t n = size();
@@ -323,44 +320,48 @@ NearField::Solution NearField::solve_here(std::span<const double> extra,
   std::vector<bool> masked(n, false);
   std::vector<double> prescribed(n, 0.0);
   bool homogeneous = true;
-  for (const auto& g : given) {
+  for (const auto& g : demand.given) {
     masked[g.at] = true;
     prescribed[g.at] = g.value;
     homogeneous = homogeneous && g.value == 0;
   }
-  refactor_dense(masked);
+  std::vector<double> stiffness(n, 0.0);
+  for (const auto& spring : demand.springs) stiffness[spring.at] = spring.stiffness;
+  refactor_dense(masked, stiffness);
   std::vector<double> rhs(n);
   for (std::size_t i = 0; i < n; ++i) rhs[i] = s_y_[i] + extra[i];
   std::vector<double>& x = solution.x;
   x = rhs;
+  for (const auto& spring : demand.springs) x[spring.at] += spring.force;
   if (!homogeneous) {
     const auto moved = product(k_, prescribed);
     for (std::size_t i = 0; i < n; ++i) x[i] -= moved[i];
   }
-  for (const auto& g : given) x[g.at] = g.value;
+  for (const auto& g : demand.given) x[g.at] = g.value;
   substitute(x);
   std::vector<double> w;
-  if (!weights.empty()) {
+  if (!demand.weights.empty()) {
     w.assign(n, 0.0);
     std::vector<double> response(n, 0.0);
     double reached = 0;
-    for (const auto& [at, weight] : weights) {
+    for (const auto& [at, weight] : demand.weights) {
       w[at] = weight;
       reached += weight * x[at];
       if (!masked[at]) response[at] = weight;
     }
     substitute(response);
     double compliance = 0;
-    for (const auto& [at, weight] : weights) compliance += weight * response[at];
+    for (const auto& [at, weight] : demand.weights) compliance += weight * response[at];
     if (!(compliance > 0)) throw_all_held();
-    solution.lambda = (value - reached) / compliance;
+    solution.lambda = (demand.value - reached) / compliance;
     for (std::size_t i = 0; i < n; ++i) x[i] += solution.lambda * response[i];
   }
-  for (const auto& g : given) {
+  for (const auto& g : demand.given) {
     double sum = -rhs[g.at] - (w.empty() ? 0 : solution.lambda * w[g.at]);
     for (std::size_t j = 0; j < n; ++j) sum += k_[g.at * n + j] * x[j];
     solution.reaction[g.at] = sum;
   }
+  for (const auto& [at, force, k] : demand.springs) solution.reaction[at] = force - k * x[at];
   return solution;
 }
 

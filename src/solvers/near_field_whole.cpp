@@ -54,8 +54,7 @@ double NearField::largest_free(Vec residual) const {
 bool NearField::complete(const Balance& balance,
                          double largest,
                          std::span<const double> extra,
-                         std::span<const Given> given,
-                         std::span<const Given> weights,
+                         const Demand& demand,
                          Solution& solution,
                          Vec x,
                          Vec residual) {
@@ -71,15 +70,17 @@ bool NearField::complete(const Balance& balance,
   constexpr double smallest =
       std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
   if (scale < smallest) scale = 1;
-  std::vector<Given> still(given.begin(), given.end());
-  for (auto& g : still) g.value = 0;
+  Demand still = demand;
+  for (auto& g : still.given) g.value = 0;
+  for (auto& spring : still.springs) spring.force = 0;
+  still.value = 0;
   double last = std::numeric_limits<double>::infinity();
   for (int round = 0;; ++round) {
     balance(x, residual);
     {
       Entries r(residual);
       for (std::size_t i = 0; i < size(); ++i) subtract(i, solution.reaction[i], r);
-      for (const auto& [at, weight] : weights) subtract(at, solution.lambda * weight, r);
+      for (const auto& [at, weight] : demand.weights) subtract(at, solution.lambda * weight, r);
     }
     const double size = largest_free(residual);
     if (size <= wanted * scale) return round > 0;
@@ -99,7 +100,7 @@ bool NearField::complete(const Balance& balance,
     }
     load(correction_.get());
     const std::vector<double> none(coordinates_.size(), 0.0);
-    const Solution more = solve(none, still, weights, 0);
+    const Solution more = solve(none, still);
     expand(more.x, correction_.get());
     check(VecAXPY(x, 1, correction_.get()));
     solution.lambda += more.lambda;

@@ -31,6 +31,9 @@ void compare(const Json& a,
 MeshFiles mesh_files(MPI_Comm comm, std::span<const Scene> scenes) {
   MeshFiles files;
   for (const Scene& scene : scenes) {
+    if (const std::string path = procedure_path(scene); !path.empty()) {
+      files[scene.procedure->file] = fingerprint(read_on_all(comm, path));
+    }
     const auto* name = std::get_if<std::string>(&scene.mesh.source);
     if (name == nullptr || files.contains(*name)) continue;
     files[*name] = fingerprint(read_on_all(comm, mesh_path(scene)));

@@ -54,7 +54,7 @@ class ExplicitTrial {
     const double bound = grown * speed_of(velocities_);
     for (int n = 1; n <= most_steps; ++n) {
       integrator_.begin(state_, load_.get(), h, held_.dofs);
-      integrator_.attempt({{}, held_.mean, held_.forces}, false);
+      integrator_.attempt({{}, held_.mean, held_.forces, held_.dashpots}, false);
       integrator_.accept();
       if (n % steps_a_look == 0 && !(speed_of(state_.v.get()) <= bound)) return true;
     }
@@ -94,6 +94,7 @@ ConstraintSet homogeneous(ConstraintSet constraints) {
   for (auto& dof : constraints.dofs) dof = {dof.dof, 0.0};
   if (constraints.mean) constraints.mean->value = constraints.mean->rate = 0;
   constraints.forces.clear();
+  constraints.dashpots.clear();
   return constraints;
 }
 

@@ -256,6 +256,9 @@ class Planner {
 };
 
 void check_options(const Scene& scene, const PlanOptions& options) {
+  if (scene.procedure) {
+    refuse_key(scene, "procedure", "a plan moves needles; allowed: a scene with needles");
+  }
   bool has_target = false;
   for (const auto& needle : scene.needles) {
     for (const auto& action : needle.motion) has_target |= !action.target.empty();

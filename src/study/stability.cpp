@@ -6,6 +6,7 @@
 #include "stylet/output/folder.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/solvers/modes.hpp"
@@ -300,6 +301,9 @@ Stability stability(MPI_Comm comm, const Scene& scene, const StabilityOptions& o
   result.folder = options.output;
   if (result.folder.empty()) {
     result.folder = "out/stability-" + std::filesystem::path(scene.file).stem().string();
+  }
+  if (scene.procedure) {
+    refuse_key(scene, "procedure", "stability takes other steps; allowed: a scene with needles");
   }
   Study study(comm, scene, options, result);
   OutputFolder folder(comm, result.folder,

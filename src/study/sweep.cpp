@@ -149,7 +149,9 @@ class Sweep {
 
   void check_outputs(const Scene& scene) const {
     std::vector<std::string> paths;
-    for (const auto& quantity : summary_quantities(scene)) paths.push_back(quantity.path);
+    std::string note;
+    const Scene whole = with_procedure(comm_, scene, note);
+    for (const auto& quantity : summary_quantities(whole)) paths.push_back(quantity.path);
     for (const auto& outputs : plan_.runs.front().outputs) {
       for (const auto& output : outputs) {
         if (std::ranges::find(paths, output) != paths.end()) continue;

@@ -7,6 +7,7 @@
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/study/levels.hpp"
 #include "stylet/study/study_run.hpp"
@@ -65,6 +66,10 @@ class Study {
         const TradeoffOptions& options)
       : comm_(comm), file_(scene_file), text_(text), changes_(changes), options_(options) {
     const Scene scene = load_scene(file_, text_, changes_);
+    if (scene.procedure) {
+      refuse_key(scene, "procedure",
+                 "tradeoff changes laws of needles; allowed: a scene with needles");
+    }
     bool has_seed = false;
     for (const auto& needle : scene.needles) {
       for (const auto& action : needle.motion) has_seed |= !action.target.empty();

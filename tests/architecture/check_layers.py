@@ -9,7 +9,8 @@ import sys
 
 # Rooms on lower floors may be included, rooms beside or above may not.
 FLOORS = {"base": 0, "petsc": 1, "geometry": 1, "mesh": 2, "fem": 3, "solvers": 4, "dynamics": 5,
-          "needle": 5, "scene": 6, "output": 6, "simulation": 7, "study": 8, "app": 9}
+          "needle": 5, "scene": 6, "image": 6, "output": 6, "simulation": 7, "study": 8, "view": 8,
+          "app": 9}
 
 # Rooms that may include less than their floor allows: names of rooms or of single headers.
 ONLY = {
@@ -17,6 +18,7 @@ ONLY = {
     "needle": {"mesh", "geometry", "base", "solvers/track_operator.hpp"},
     "scene": {"geometry", "base", "mesh/parameters.hpp", "fem/parameters.hpp",
               "dynamics/parameters.hpp", "needle/parameters.hpp"},
+    "image": {"geometry", "base"},
     "output": {"mesh", "petsc", "geometry", "base"},
 }
 
@@ -30,10 +32,15 @@ LIBRARIES = {
     r"slepc\w*\.h": {"petsc", "solvers"},
     r"metis\.h": {"mesh"},
     r"mpi\.h": {"petsc", "fem", "solvers", "dynamics", "output", "simulation",
-                      "study", "app"},
+                      "study", "view", "app"},
+    r"(png|turbojpeg)\.h": {"image"},
     r"CLI/": {"app"},
-    r"nlohmann/": {"output", "simulation", "study", "app"},
+    r"nlohmann/": {"output", "simulation", "study", "view", "app"},
     r"udunits2\.h": {"base"},
+    r"(imgui|backends/imgui\w*)\.h": {"view"},
+    r"GLFW/": {"view/window.cpp"},
+    r"epoxy/egl\.h": {"view/offscreen.cpp"},
+    r"epoxy/": {"view"},
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)

@@ -80,11 +80,14 @@ class HostileInput(CliTest):
         self.refuse(["sweep", "campaign.yaml"], "campaign.yaml:5:", "'samples'", "at most 100000")
 
     def test_memory_runs_out(self):
-        """Wherever it happens: exit code 1, in words, on one rank and on two."""
+        """Refused where it can be known, else exit code 1, in words, on one rank and on two."""
         self.write("scene.yaml", BLOCK_SCENE)
         self.write("block.msh", block_mesh(n=16)[0])
-        arguments = ["check", "scene.yaml", "--set", "mesh.refine=5"]
-        for megabytes in (400, 550):
+        outcome = self.stylet("check", "scene.yaml", "--set", "mesh.refine=5",
+                              preexec_fn=in_memory(550 << 20))
+        self.assert_refused(outcome, "'mesh.refine'", "GB of memory", "allowed here: up to 4")
+        arguments = ["check", "scene.yaml", "--set", "mesh.refine=4"]
+        for megabytes in (350, 400):
             with self.subTest(megabytes=megabytes):
                 outcome = self.stylet(*arguments, preexec_fn=in_memory(megabytes << 20))
                 self.assert_code(outcome, OTHER)

@@ -33,6 +33,7 @@ void scale(Scene& scene, double factor) {
     if (!needle.friction) continue;
     needle.friction->static_force *= factor;
     needle.friction->kinetic_force *= factor;
+    needle.friction->viscous_coefficient *= factor;
   }
 }
 

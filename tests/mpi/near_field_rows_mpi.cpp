@@ -78,10 +78,13 @@ struct Problem {
   std::vector<int> given;  ///< of coordinates, like the others
   std::vector<int> weighed;
   std::vector<int> pushed;
+  std::vector<int> sprung;
   [[nodiscard]] static double value(int i) { return 0.01 * std::cos(i); }
   [[nodiscard]] static double weight(int i) { return 0.3 + 0.1 * std::sin(i); }
   [[nodiscard]] static double force(int i) { return 0.5 * std::sin(1 + i); }
   [[nodiscard]] static double mean() { return 0.02; }
+  [[nodiscard]] static double pull(int i) { return 0.4 * std::cos(2 + i); }
+  [[nodiscard]] static double stiffness() { return 3e3; }  // about that of the tissue
 };
 
 class NearFieldRows : public testing::Test {
@@ -147,11 +150,14 @@ class NearFieldRows : public testing::Test {
     const auto at = [&](int i) { return near_.at(p.coordinates[static_cast<std::size_t>(i)]); };
     std::vector<double> extra(near_.coordinates().size(), 0.0);
     for (const int i : p.pushed) extra[at(i)] = Problem::force(i);
-    std::vector<NearField::Given> given;
-    for (const int i : p.given) given.push_back({at(i), Problem::value(i)});
-    std::vector<NearField::Given> weights;
-    for (const int i : p.weighed) weights.push_back({at(i), Problem::weight(i)});
-    auto solution = near_.solve(extra, given, weights, Problem::mean());
+    NearField::Demand demand;
+    for (const int i : p.given) demand.given.push_back({at(i), Problem::value(i)});
+    for (const int i : p.weighed) demand.weights.push_back({at(i), Problem::weight(i)});
+    demand.value = Problem::mean();
+    for (const int i : p.sprung) {
+      demand.springs.push_back({at(i), Problem::pull(i), Problem::stiffness()});
+    }
+    auto solution = near_.solve(extra, demand);
     OwnedVec x = tissue_->make_vector();
     OwnedVec left = tissue_->make_vector();
     const auto balance = [&](Vec of, Vec residual) {
@@ -160,7 +166,7 @@ class NearFieldRows : public testing::Test {
       Entries r(residual);
       for (std::size_t i = 0; i < extra.size(); ++i) near_.subtract(i, extra[i], r);
     };
-    near_.complete(balance, 1, extra, given, weights, solution, x.get(), left.get());
+    near_.complete(balance, 1, extra, demand, solution, x.get(), left.get());
     Answer answer;
     answer.x = gather_all(x.get());
     answer.lambda = solution.lambda;
@@ -175,25 +181,39 @@ class NearFieldRows : public testing::Test {
     return answer;
   }
 
-  /// Unknowns x, f and lambda: A x - B^T f = b; given: B x + C f = value; else f = extra + lambda w;
-  /// w (B x + C f) = mean.
+  /// Of A, row by row, on every rank.
+  [[nodiscard]] std::vector<double> operator_entries() const {
+    const auto n = static_cast<std::size_t>(n_);
+    std::vector<double> entries(n * n, 0.0);
+    for (int row = tissue_->first_dof(); row < tissue_->end_dof(); ++row) {
+      PetscInt size = 0;
+      const PetscInt* columns = nullptr;
+      const PetscScalar* values = nullptr;
+      check(MatGetRow(tissue_->tangent_matrix(), row, &size, &columns, &values));
+      for (PetscInt k = 0; k < size; ++k) {
+        entries[static_cast<std::size_t>(row) * n + static_cast<std::size_t>(columns[k])] =
+            values[k];
+      }
+      check(MatRestoreRow(tissue_->tangent_matrix(), row, &size, &columns, &values));
+    }
+    MPI_Allreduce(MPI_IN_PLACE, entries.data(), static_cast<int>(entries.size()), MPI_DOUBLE,
+                  MPI_SUM, MPI_COMM_WORLD);
+    return entries;
+  }
+
+  /// Unknowns x, f and lambda: A x - B^T f = b; given: B x + C f = value; else f = extra + lambda w, and
+  /// what springs pull with, less stiffness (B x + C f); w (B x + C f) = mean.
   Answer dense(const Problem& p) {
     const auto n = static_cast<std::size_t>(n_);
     const std::size_t m = p.coordinates.size();
     Dense system(n + m + 1);
     const auto b = gather_all(b_.get());
-    for (std::size_t j = 0; j < n; ++j) {
-      OwnedVec unit = tissue_->make_vector();
-      OwnedVec column = tissue_->make_vector();
-      check(VecSet(unit.get(), 0));
-      set_owned(unit.get(), static_cast<int>(j), 1);
-      check(MatMult(tissue_->tangent_matrix(), unit.get(), column.get()));
-      const auto values = gather_all(column.get());
-      for (std::size_t i = 0; i < n; ++i) {
-        if (!is_held(static_cast<int>(i))) system.a(i, j) = values[i];
-      }
-      system.b(j) = b[j];
-      if (is_held(static_cast<int>(j))) system.a(j, j) = 1;
+    const auto a = operator_entries();
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool free = !is_held(static_cast<int>(i));
+      for (std::size_t j = 0; j < n; ++j) system.a(i, j) = free ? a[i * n + j] : 0;
+      system.b(i) = b[i];
+      if (!free) system.a(i, i) = 1;
     }
     const auto has = [](const std::vector<int>& list, std::size_t i) {
       return std::ranges::find(list, static_cast<int>(i)) != list.end();
@@ -216,8 +236,12 @@ class NearFieldRows : public testing::Test {
         system.b(n + i) = Problem::value(number);
         continue;
       }
-      system.a(n + i, n + i) = 1;
-      if (has(p.pushed, i)) system.b(n + i) = Problem::force(number);
+      if (has(p.sprung, i)) {
+        feels(n + i, i, Problem::stiffness());
+        system.b(n + i) = Problem::pull(number);
+      }
+      system.a(n + i, n + i) += 1;
+      if (has(p.pushed, i)) system.b(n + i) += Problem::force(number);
       if (has(p.weighed, i)) system.a(n + i, n + m) = -Problem::weight(number);
     }
     if (p.weighed.empty()) system.a(n + m, n + m) = 1;
@@ -266,23 +290,37 @@ class NearFieldRows : public testing::Test {
 
 TEST_F(NearFieldRows, DofsAlone) {
   edit();
-  expect_same({{n_ / 2, n_ / 3, n_ / 4, n_ / 5}, {0, 1}, {2, 3}, {}});
+  expect_same({{n_ / 2, n_ / 3, n_ / 4, n_ / 5}, {0, 1}, {2, 3}, {}, {}});
 }
 
 TEST_F(NearFieldRows, RowsWithTheirOwnCompliance) {
-  expect_same(
-      {{row(0), row(1), row(1, Component::across), row(2), row(3), row(4)}, {0, 1, 2}, {}, {4}});
+  expect_same({{row(0), row(1), row(1, Component::across), row(2), row(3), row(4)},
+               {0, 1, 2},
+               {},
+               {4},
+               {}});
 }
 
 TEST_F(NearFieldRows, TheMeanOfRowsIsGivenWhileOthersAreHeldAndPushed) {
-  expect_same({{row(0), row(1), row(2), row(3), row(4)}, {0, 1}, {2, 3}, {4}});
+  expect_same({{row(0), row(1), row(2), row(3), row(4)}, {0, 1}, {2, 3}, {4}, {}});
+}
+
+TEST_F(NearFieldRows, SpringsPullAtRowsAndDofs) {
+  const std::vector<int> coordinates{row(0), row(1), row(2), n_ / 2, n_ / 3, row(3)};
+  expect_same({coordinates, {0}, {1, 2}, {2}, {1, 3, 5}});
+  // Other ones, at the same factor.
+  expect_same({coordinates, {0}, {1, 2}, {2}, {4}});
+  expect_same({coordinates, {0}, {1, 2}, {2}, {}});
 }
 
 // Rows that come later border those that are there, and all come again with a new factor.
 TEST_F(NearFieldRows, RowsBesideDofsAndElementsThatHaveChanged) {
-  const Problem first{{row(0), row(1)}, {0}, {}, {1}};
-  const Problem all{
-      {row(0), row(1), n_ / 2, row(2), n_ / 4, row(3, Component::across)}, {0, 2}, {1, 3}, {4, 5}};
+  const Problem first{{row(0), row(1)}, {0}, {}, {1}, {}};
+  const Problem all{{row(0), row(1), n_ / 2, row(2), n_ / 4, row(3, Component::across)},
+                    {0, 2},
+                    {1, 3},
+                    {4, 5},
+                    {1, 5}};
   expect_same(first);
   edit();
   expect_same(first);

@@ -74,6 +74,32 @@ TEST(SpaceMpi, RunsAreTheSameOnAnyNumberOfRanks) {
   }
 }
 
+// The patch test: uniform strain on tetrahedra of which no two are alike.
+TEST(SpaceMpi, ALinearFieldIsExactOnAnyNumberOfRanks) {
+  for (const std::string element : {"p1", "p1_averaged"}) {
+    Simulation simulation(MPI_COMM_WORLD,
+                          scene_of(R"(
+mesh: {box: {size: [8 cm, 6 cm, 4 cm], columns: 8, rows: 6, layers: 4, jitter: 0.25}}
+tissue:
+  regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.3, density: 1000 kg/m^3}}
+supports: {left: roller, bottom: roller, back: roller}
+loads: {traction: [{surface: right, stress: [600 Pa, 0 Pa, 0 Pa]}]}
+probes: {a: [8 cm, 6 cm, 4 cm], b: [3.3 cm, 2.9 cm, 1.7 cm], c: [0.4 cm, 5.1 cm, 3.9 cm]}
+time: {method: quasi_static}
+)",
+                                   {"tissue.formulation=" + element}),
+                          false);
+    run_to_end(simulation);
+    const auto world = simulation.body().world(simulation.probes());
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      const ReferencePlace x = simulation.probes()[i].x;
+      EXPECT_NEAR(world[i].x - x.x, 0.01 * x.x, 1e-13);
+      EXPECT_NEAR(world[i].y - x.y, -0.003 * x.y, 1e-13);
+      EXPECT_NEAR(world[i].z - x.z, -0.003 * x.z, 1e-13);
+    }
+  }
+}
+
 // The owner computes its rows in the order of cells, so K is the same to the last bit.
 TEST(SpaceMpi, RowsHaveTheSameBits) {
   const Scene given = scene_of(scene, {"tissue.formulation=p1_averaged"});

@@ -15,7 +15,9 @@ Vector2 linear_field(ReferencePoint x) {
 constexpr double round_off = 1e-11;
 
 void expect_patch_test(const Mesh& mesh, const TissueOperator& tissue) {
-  const auto force = product(tissue, tissue.stiffness(), nodal(tissue, mesh, linear_field).get());
+  OwnedVec product = tissue.make_vector();
+  tissue.apply_stiffness(nodal(tissue, mesh, linear_field).get(), product.get());
+  const auto force = gather_all(product.get());
   double inner = 0;
   for (int node = 0; node < mesh.n_nodes(); ++node) {
     if (mesh.on_boundary(node)) continue;
@@ -40,12 +42,23 @@ double norm_of(Mat a) {
   return size;
 }
 
+// Of K, without zeros.
+std::vector<std::pair<int, double>> row_of(const TissueOperator& tissue, int row) {
+  std::vector<std::pair<int, double>> entries;
+  tissue.along_row(row, [&](int column, double value) {
+    if (value != 0) entries.emplace_back(column, value);
+  });
+  return entries;
+}
+
 void expect_fresh(const Simulation& simulation) {
   const TissueOperator& tissue = simulation.tissue();
   TissueOperator fresh(MPI_COMM_WORLD, simulation.mesh(), tissue.first_node(), tissue.parameters());
   expect_patch_test(simulation.mesh(), fresh);
   // Rows are sums in the order of cells: the same bits.
-  EXPECT_EQ(norm_of_difference(fresh.stiffness(), tissue.stiffness()), 0);
+  for (int row = 0; row < tissue.n_dofs(); ++row) {
+    EXPECT_EQ(row_of(fresh, row), row_of(tissue, row));
+  }
   if (tissue.mass() == nullptr) {
     EXPECT_EQ(gather_all(fresh.lumped_mass()), gather_all(tissue.lumped_mass()));
   } else {

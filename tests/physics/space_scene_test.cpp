@@ -163,7 +163,7 @@ TEST(SpaceScene, WhatIsOfThePlaneIsRefusedByName) {
   EXPECT_THAT(refusal({"needles=[{height: 3 cm, cutting: {cutting_force: 1 N}, motion: [{insert: "
                        "{speed: 1 cm/s, depth: 1 cm}}]}]",
                        "time={method: quasi_static}"}),
-              AllOf(HasSubstr("key 'needles'"), HasSubstr("only with tissue.plane")));
+              AllOf(HasSubstr("key 'needles'"), HasSubstr("not yet in space")));
   EXPECT_THAT(refusal({"targets={t: [1 cm, 1 cm]}"}), HasSubstr("key 'targets'"));
   EXPECT_THAT(refusal({"membrane={region: tissue, puncture_force: 1 N}"}),
               HasSubstr("key 'membrane'"));

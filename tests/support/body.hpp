@@ -97,6 +97,13 @@ inline std::vector<double> product(const TissueOperator& tissue, Mat matrix, Vec
   return gather_all(y.get());
 }
 
+/// K u, of explicit runs too.
+inline std::vector<double> stiffness_forces(const TissueOperator& tissue, Vec u) {
+  OwnedVec forces = tissue.make_vector();
+  tissue.apply_stiffness(u, forces.get());
+  return gather_all(forces.get());
+}
+
 inline double largest(std::span<const double> values) {
   double size = 0;
   for (const double value : values) size = std::max(size, std::abs(value));

@@ -3,6 +3,7 @@
 
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/dynamics/implicit_newmark.hpp"
+#include "stylet/dynamics/quasi_static.hpp"
 
 #include "support/body.hpp"
 
@@ -29,6 +30,7 @@ class Oscillator {
     const double m = lumped ? gather_all(body_.tissue.lumped_mass())[static_cast<std::size_t>(dof_)]
                             : value(body_.tissue.mass());
     omega_ = std::sqrt(k / m);
+    mass_ = m;
     const std::vector<int> free{dof_};
     held_ = held(others(body_.tissue, free));
     load_ = body_.tissue.make_vector();
@@ -36,12 +38,18 @@ class Oscillator {
     state_ = still(body_.tissue);
     if (time.method == TimeMethod::explicit_newmark) {
       integrator_ = std::make_unique<ExplicitNewmark>(body_.tissue, body_.mesh, time);
+    } else if (time.method == TimeMethod::quasi_static) {
+      integrator_ = std::make_unique<QuasiStatic>(body_.tissue, body_.mesh);
     } else {
       integrator_ = std::make_unique<ImplicitNewmark>(body_.tissue, body_.mesh, time);
     }
   }
 
   [[nodiscard]] double omega() const { return omega_; }  ///< rad/s
+  [[nodiscard]] double mass() const { return mass_; }    ///< kg
+
+  /// By a dashpot between the mass and what moves at `speed`.
+  void drag(double coefficient, double speed) { held_.dashpots = {{dof_, coefficient, speed}}; }
 
   /// u, v, a of the free dof.
   using Values = std::array<double, 3>;
@@ -71,6 +79,7 @@ class Oscillator {
   Slab body_;
   int dof_ = -1;
   double omega_ = 0;
+  double mass_ = 0;
   ConstraintSet held_;
   OwnedVec load_;
   State state_;

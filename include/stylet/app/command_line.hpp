@@ -21,6 +21,7 @@ struct Asked {
   TradeoffOptions tradeoff;
   PlanOptions plan;
   SweepOptions sweep;
+  ViewArguments view;
   bool markdown = false;
 };
 

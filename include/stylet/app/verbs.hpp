@@ -31,4 +31,17 @@ int tradeoff_verb(const SceneArguments& arguments, const TradeoffOptions& option
 int sweep_verb(const SceneArguments& arguments, const SweepOptions& options);
 int schema_verb(bool markdown);
 
+/// What the command line says to the window; the room `view` may not have been built.
+struct ViewArguments {
+  std::string script;
+  std::string record;  ///< empty: out/view-<scene>
+  bool records = true;
+  std::string plan;
+  std::string frames = "out/view";
+  std::string size = "1280x800";
+  double letters = 1;
+  double seconds = 0;
+};
+int view_verb(const SceneArguments& arguments, const ViewArguments& view);
+
 }  // namespace stylet

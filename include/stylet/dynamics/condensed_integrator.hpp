@@ -20,6 +20,7 @@ class CondensedIntegrator : public TimeIntegrator {
     return std::numeric_limits<double>::infinity();
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
+  void renewed(const Mesh& mesh) override;
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] std::string solver() const override { return near_.whole().name(); }
@@ -28,10 +29,12 @@ class CondensedIntegrator : public TimeIntegrator {
   /// The tissue is lent.
   CondensedIntegrator(TissueOperator& tissue, const Mesh& mesh);
 
-  /// Dofs that the constraints hold, push or weigh.
+  /// Dofs that the constraints hold, push, damp or weigh.
   [[nodiscard]] static std::vector<int> dofs_of(const ConstraintSet& constraints);
   /// extra_ = change and the constraints' forces; change: of near dofs.
   void push(const ConstraintSet& constraints, std::span<const double> change);
+  /// Springs of the near field that stand for dashpots: v1 = start + rate q of the i-th near dof.
+  void damp(const ConstraintSet& constraints, double rate, const std::vector<double>& start);
   /// Takes what was added to b at near dofs from a residual.
   void take_extra(Vec residual, std::span<const double> extra) const;
   /// Displacement, velocity and reaction of the trial at near dofs; `u_of`, `v_of`: of the i-th.
@@ -51,8 +54,7 @@ class CondensedIntegrator : public TimeIntegrator {
   std::vector<PrescribedDof> held_;
   std::vector<int> edited_;    ///< nodes whose rows changed since the last trial; ascending
   std::vector<double> extra_;  ///< added to the right-hand side at near dofs in the last trial
-  std::vector<NearField::Given> given_;
-  std::vector<NearField::Given> weights_;
+  NearField::Demand demand_;   ///< of the last trial
   NearField::Solution solution_;
   Trial trial_;
   OwnedVec u_;  ///< of the trial

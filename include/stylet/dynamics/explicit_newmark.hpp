@@ -33,6 +33,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   /// Of the bound on the largest eigenvalue, times the safety factor.
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
+  void renewed(const Mesh& mesh) override;
   [[nodiscard]] bool decides_by_velocity() const override { return true; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] EnergyRules energy_rules() const override;

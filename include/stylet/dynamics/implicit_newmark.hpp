@@ -61,6 +61,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
     return damped_steps_ > 0 ? half_ : CondensedIntegrator::stable_step();
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
+  void renewed(const Mesh& mesh) override;
   [[nodiscard]] EnergyRules energy_rules() const override;
 
  private:

@@ -25,6 +25,7 @@ class QuasiStatic final : public CondensedIntegrator {
   void accept() override;
   void complete() override;
   void complete_at(std::span<const int> nodes) override { watch(stylet::dofs_of(nodes)); }
+  void renewed(const Mesh& mesh) override;
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] EnergyRules energy_rules() const override {
     return {.inertia = false, .advice = "a smaller time.step, or a finer mesh"};
@@ -42,6 +43,7 @@ class QuasiStatic final : public CondensedIntegrator {
   bool fresh_ = true;          ///< the near field has not solved for the present load
   std::vector<double> start_;  ///< displacement of the near dofs at the start of the step, edited
   bool whole_step_ = true;
+  bool renewed_ = false;  ///< since the last accepted step
 
   // Of the last accepted trial, by near dof; those that came later follow with what they had.
   bool whole_u_ = true;  ///< displacements of the state are up to date at all dofs

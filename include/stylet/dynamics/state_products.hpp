@@ -40,6 +40,7 @@ class StateProducts {
   void require(CellOperator& cells, const State& state);
   /// They have been brought to this state.
   void brought_to(const State& state) { of_ = StateVersion(state); }
+  void forget() { of_ = {}; }
   /// Forgets them if they are not those of this state: before an edit of it.
   void compare(const State& state);
   /// Collective, after an edit of the state they were of. rows: nodes whose rows changed, or whose

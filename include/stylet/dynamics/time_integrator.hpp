@@ -116,6 +116,10 @@ class TimeIntegrator {
   /// Tells which cells changed, after the tissue's update.
   virtual void touched(const Mesh& mesh, std::span<const int> cells) = 0;
 
+  /// Collective, between two steps. The tissue has other matrices or another damping in all its rows; the
+  /// state is kept.
+  virtual void renewed(const Mesh& mesh) = 0;
+
   /// True if positions at the end of a step do not feel the forces of its end (central difference):
   /// contact is then decided by velocities.
   [[nodiscard]] virtual bool decides_by_velocity() const = 0;
@@ -129,7 +133,7 @@ inline void take_step(TimeIntegrator& integrator,
                       const ConstraintSet& constraints) {
   const auto attempt = [&](double length) {
     integrator.begin(state, load, length, constraints.dofs);
-    integrator.attempt({{}, constraints.mean, constraints.forces}, false);
+    integrator.attempt({{}, constraints.mean, constraints.forces, constraints.dashpots}, false);
   };
   const auto accept = [&] {
     integrator.finish(true);

@@ -20,6 +20,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -45,18 +46,26 @@ enum class Stiffness { matrix, rows };
 class TissueOperator {
  public:
   /// Collective. first_node: rank r owns nodes first_node[r] .. first_node[r+1]-1, dof = dim node +
-  /// component. needs_flips(node): true where edges may be flipped later. Throws InputError if a
-  /// region of the mesh has no material or a material no region.
+  /// component. needs_flips(node): true where edges may be flipped later. keeps_regions: regions that
+  /// are alike now may differ later (`change`). Throws InputError if a region of the mesh has no
+  /// material or a material no region.
   TissueOperator(MPI_Comm comm,
                  const Mesh& mesh,
                  std::vector<int> first_node,
                  const TissueParameters& parameters,
                  std::function<bool(int)> needs_flips = {},
-                 Stiffness kept = Stiffness::matrix);
+                 Stiffness kept = Stiffness::matrix,
+                 bool keeps_regions = false);
 
   /// Collective. Rebuilds the rows of all nodes of the touched cells, in K, M and every tangent made
   /// by make_tangent. Returns true if the pattern had to be made anew.
   bool update(const Mesh& mesh, std::span<const int> touched_cells);
+
+  /// Collective. Edges may be flipped elsewhere from now on: makes the pattern anew.
+  void expect_flips(const Mesh& mesh, std::function<bool(int)> needs_flips);
+  /// Collective. Other moduli and damping of the same regions: makes K anew, and the tangent with the
+  /// combination that it has. Throws InputError for moduli that are none; nothing has changed then.
+  void change(const Mesh& mesh, const TissueParameters& parameters);
 
   /// Nodes whose rows `update` rebuilds for these cells; ascending, of all ranks.
   [[nodiscard]] std::vector<int> rows_of(const Mesh& mesh, std::span<const int> cells) const;
@@ -114,7 +123,9 @@ class TissueOperator {
   };
   template <int Dim>
   using PatchCache = std::unordered_map<int, std::vector<VolumePatch<Dim>>>;
+  void take_materials(const Mesh& mesh);
   void make_pattern(const Mesh& mesh);
+  void fill_all(const Mesh& mesh);
   void fill_rows(const Mesh& mesh, std::span<const int> owned_nodes);
   struct NodeRows {
     std::vector<int> columns;    ///< nodes, ascending
@@ -163,6 +174,8 @@ class TissueOperator {
   std::optional<RegionMap> region_map_;
   std::vector<int> cell_region_;
   std::map<int, CellMaterial> mixed_;
+  bool uniform_ = true;      ///< all regions are alike
+  std::set<int> rewritten_;  ///< cells that edits touched, where regions are kept
   /// Of owned nodes: column nodes of K and of M, ascending. The same unless the formulation averages.
   std::vector<std::vector<int>> stiffness_columns_;
   std::vector<std::vector<int>> mass_columns_;

@@ -22,6 +22,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace stylet {
@@ -76,6 +77,11 @@ class CutPath final : public TrackOperator {
   [[nodiscard]] bool is_free() const { return free_; }
   [[nodiscard]] bool at_membrane() const { return membrane_.has_value(); }
   [[nodiscard]] double puncture_force() const { return tissue_.puncture_force; }
+  /// Other numbers of the tissue from the next step on.
+  void change(double puncture_force, std::vector<double> region_modulus) {
+    tissue_.puncture_force = puncture_force;
+    tissue_.region_modulus = std::move(region_modulus);
+  }
   /// Share of the tip's length that is in the tissue.
   [[nodiscard]] double share_in() const;
   /// Young's modulus of the element furthest ahead of the tip (Pa).
@@ -88,8 +94,9 @@ class CutPath final : public TrackOperator {
   [[nodiscard]] std::vector<double> shaft_lengths() const;
   /// Points that the needle may load, apart from those of before.
   [[nodiscard]] std::vector<int> loaded_points() const;
-  /// Of a node: its dof.
-  [[nodiscard]] SparseRow row(TrackPlace place) const override;
+  [[nodiscard]] SparseRow row(TrackPlace place) const override { return {*dof(place)}; }
+  /// Of a node.
+  [[nodiscard]] std::optional<DofValue> dof(TrackPlace place) const override;
   /// Nodes whose state at the start of a step `plan` needs; ascending.
   [[nodiscard]] std::vector<int> watched() const;
   [[nodiscard]] const NeedleCounts& counts() const { return counts_; }

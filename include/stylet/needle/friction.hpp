@@ -16,9 +16,14 @@ namespace stylet {
   return (has_slid ? law.kinetic_force : law.static_force) * length;
 }
 
-/// Force (N) of a point that slides.
+/// Force (N) of a point that slides: the part that does not depend on how fast,
 [[nodiscard]] inline double sliding_force(const FrictionParameters& law, double length) {
   return law.kinetic_force * length;
+}
+
+/// and the viscous part, for each m/s (N s/m).
+[[nodiscard]] inline double viscous_coefficient(const FrictionParameters& law, double length) {
+  return law.viscous_coefficient * length;
 }
 
 /// True if a point that slides so slowly sticks from the next step on.

@@ -69,6 +69,13 @@ class Needle {
   /// What later needles find: the earlier cuts and this needle's.
   [[nodiscard]] EarlierCuts leave() const { return path_.leave(); }
 
+  /// Between two steps: other forces at which the tip cuts and the shaft slides, of the same laws, and
+  /// other numbers of the tissue (as in NeedleTissue).
+  void change(const CuttingParameters& cutting,
+              const std::optional<FrictionParameters>& friction,
+              double puncture_force,
+              std::vector<double> region_modulus);
+
   /// Nodes whose start-of-step state `plan` needs; ascending.
   [[nodiscard]] std::vector<int> watched() const { return path_.watched(); }
   /// Points whose trial the review needs; ascending.

@@ -26,10 +26,11 @@ struct CuttingParameters {
 
 /// Per metre of reference path, therefore independent of the mesh.
 struct FrictionParameters {
-  double static_force = 0;   ///< N/m
-  double kinetic_force = 0;  ///< N/m
-  double stick_speed = 0;    ///< m/s; a slower sliding node sticks again
-  double slip_speed = 0;     ///< m/s; above it a node slides; > stick_speed
+  double static_force = 0;         ///< N/m
+  double kinetic_force = 0;        ///< N/m
+  double stick_speed = 0;          ///< m/s; a slower sliding node sticks again
+  double slip_speed = 0;           ///< m/s; above it a node slides; > stick_speed
+  double viscous_coefficient = 0;  ///< N s/m^2; adds to kinetic_force by the speed of sliding
 };
 
 /// A closed polygon in the reference frame, given by its vertices or as the boundary of a region.

@@ -55,10 +55,18 @@ struct TrackMean {
   bool by_rate = false;
 };
 
+/// The force coefficient (speed - v), v the velocity of the place at the end of the step, as Dashpot.
+struct TrackDashpot {
+  TrackPlace place;
+  double coefficient;  ///< N s/m
+  double speed;        ///< m/s
+};
+
 struct TrackConditions {
   std::vector<TrackHold> held;  ///< each place at most once
   std::optional<TrackMean> mean;
   std::vector<TrackForce> forces;
+  std::vector<TrackDashpot> dashpots;
 };
 
 }  // namespace stylet

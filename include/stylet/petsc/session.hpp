@@ -24,8 +24,15 @@ class Session {
   int exceptions_at_start_;
 };
 
+/// In a thread other than the one of the session, before all else. One thread at a time may use MPI and
+/// the libraries.
+void use_in_this_thread();
+
 [[nodiscard]] int rank_of(MPI_Comm comm);
 [[nodiscard]] int size_of(MPI_Comm comm);
+/// Of the session, where most stand on one machine: they share its memory, also where groups of them
+/// run apart. Not collective.
+[[nodiscard]] int ranks_on_a_machine();
 
 /// Ends all ranks at once with this exit code.
 [[noreturn]] void abort_job(int exit_code);

@@ -18,6 +18,19 @@
 
 namespace stylet {
 
+/// Of a number in its SI unit.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_open = false;
+  bool max_open = false;
+  std::string note = {};  ///< why, where it is not obvious
+
+  [[nodiscard]] bool holds(double value) const {
+    return (min_open ? value > min : value >= min) && (max_open ? value < max : value <= max);
+  }
+};
+
 /// What a user may write at a key: the part of the schema that is plain data.
 struct Key {
   enum class Form { value, block, list, named, action };  ///< how a path goes on below the key
@@ -30,6 +43,7 @@ struct Key {
   std::string doc = {};       ///< one line
   bool required = false;
   std::vector<Key> keys = {};
+  Range range = {};  ///< of a number
 };
 
 /// What may stand at a key, for messages: 'a number with a unit, such as mm, > 0 m'.
@@ -42,14 +56,6 @@ struct Codec {
   std::function<Node(const T&)> write;
 };
 
-/// Of a number in its SI unit.
-struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool min_open = false;
-  bool max_open = false;
-  std::string note = {};  ///< why, where it is not obvious
-};
 inline const Range anything{};
 inline const Range positive{.min = 0, .min_open = true};
 inline const Range not_negative{.min = 0};

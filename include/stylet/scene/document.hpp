@@ -36,6 +36,9 @@ struct Node {
 /// YAML text that parses to the same tree.
 [[nodiscard]] std::string yaml_text(const Node& document);
 
+/// The same on one line, without its end.
+[[nodiscard]] std::string yaml_line(const Node& document);
+
 /// The deepest node on the way to `path`; its own path is shorter if that key was not written.
 [[nodiscard]] const Node& closest(const Node& document, const std::string& path);
 

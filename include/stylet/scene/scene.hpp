@@ -7,6 +7,7 @@
 #include "stylet/mesh/parameters.hpp"
 #include "stylet/needle/parameters.hpp"
 #include "stylet/scene/document.hpp"
+#include "stylet/scene/procedure.hpp"
 
 #include <limits>
 #include <numbers>
@@ -60,6 +61,22 @@ struct Target {
   ReferencePoint point;
 };
 
+/// A picture of the tissue before anything moves.
+struct ImageParameters {
+  std::string file;  ///< PNG or JPEG; empty: made like ultrasound, from regions and membrane
+  std::optional<ReferencePoint> origin;  ///< of a file: its lower left corner
+  std::optional<Vector2> size;           ///< of a file (m)
+  int seed = 1;                          ///< of the speckle that is made
+  double attenuation = 8;  ///< of the echo from the lower edge, where the probe is (1/m)
+  double shadow = 0.5;     ///< share of the echo that is lost behind the needle
+};
+
+/// What a hand did, recorded.
+struct ProcedureParameters {
+  std::string file;
+  std::vector<ProcedureRow> rows;  ///< filled in from the file before use
+};
+
 struct Probe {
   std::string name;
   Components point;
@@ -81,6 +98,8 @@ struct Expectation {
 /// Of the plane, or of space: without tissue.plane.
 struct Scene {
   [[nodiscard]] int dim() const { return tissue.dim(); }
+  /// What its mesh is made of, in words and keys.
+  [[nodiscard]] std::string cells() const { return dim() == 2 ? "triangles" : "tetrahedra"; }
 
   std::string file;  ///< for messages; paths in the scene are relative to its folder
   MeshParameters mesh;
@@ -98,6 +117,8 @@ struct Scene {
   TimeParameters time;
   OutputParameters output;
   std::vector<Expectation> expect;
+  std::optional<ProcedureParameters> procedure;  ///< instead of needles
+  std::optional<ImageParameters> image;
   Node
       document;  ///< as it was read, for the places in messages; empty if the scene was made in code
 };

@@ -7,6 +7,8 @@
 namespace stylet {
 
 [[nodiscard]] Codec<NeedleParameters> needle_codec();
+/// Of one that a hand enters: without motion.
+[[nodiscard]] Codec<NeedleParameters> held_needle_codec();
 [[nodiscard]] Codec<MembraneParameters> membrane_codec();
 
 }  // namespace stylet

@@ -37,8 +37,8 @@ struct Riders {
 class Body {
  public:
   /// Collective. scene: in the needle's coordinates, outlives the body. Throws InputError where scene
-  /// and mesh do not fit.
-  Body(MPI_Comm comm, const Scene& scene);
+  /// and mesh do not fit. live: needles come that the scene does not know, and the tissue may be changed.
+  Body(MPI_Comm comm, const Scene& scene, bool live = false);
 
   [[nodiscard]] const NumberedMesh& numbered() const { return numbered_; }
   [[nodiscard]] const Mesh& mesh() const { return numbered_.mesh; }
@@ -82,6 +82,13 @@ class Body {
                                 std::span<const int> points,
                                 const Trial& trial) const;
 
+  /// Collective. A needle that the scene does not know is about to enter at this height (m): checks its
+  /// way in, and makes room for its edits.
+  void expect(const NeedleParameters& needle);
+  /// Collective, between two steps. The scene's moduli or damping are others now. Throws InputError; nothing
+  /// has changed then.
+  void renew_tissue();
+
   /// Collective. Once, before all else: the loads begin.
   void start();
   /// Collective. Starts a step of h (s) from the state: loads and prescribed displacements of its end.
@@ -124,7 +131,9 @@ class Body {
   std::vector<PrescribedDof> held_;
   std::vector<EmbeddedPoint> riders_;
   MeshRewrites rewrites_;
-  double h_ = 0;  ///< of the present step
+  std::vector<double> heights_;  ///< of needles that the mesh has room for (m)
+  bool renewed_ = false;         ///< the tissue, since the last accepted step
+  double h_ = 0;                 ///< of the present step
   OwnedVec load_;
   OwnedVec last_load_;
   double load_time_ = 0;       ///< time that load_ is of (s)

@@ -11,7 +11,8 @@ struct Energies {
   double kinetic = 0;
   double strain = 0;
   double dissipated = 0;  ///< by damping, friction and cutting
-  double external = 0;    ///< done by the needle's hand, loads and prescribed curves
+  /// Done by the needle's hand, loads and prescribed curves, and by who changes the tissue in mid-run.
+  double external = 0;
   /// Got where moved nodes took interpolated fields, and where explicit steps changed their length.
   double edits = 0;
   [[nodiscard]] double balance_error() const {
@@ -40,6 +41,13 @@ class EnergyLedger {
                               const State& state) const;
   /// What an edit added (J).
   void edited(double change) { energies_.edits += change; }
+
+  /// Collective. What the scheme conserves of kinetic and strain energy (J).
+  [[nodiscard]] double conserved(const StoredEnergy& stored,
+                                 const TissueOperator& tissue,
+                                 const State& state);
+  /// The tissue was changed between two steps, and stores as much more (J).
+  void changed(double more) { energies_.external += more; }
 
   /// Collective, before the trial is accepted. load0, load1: forces at its start, none if
   /// the same, and at its end (N), or none; external and dissipated: work by needle and prescribed curves (J).

@@ -7,6 +7,8 @@
 #include "stylet/simulation/settling.hpp"
 
 #include <deque>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,10 +16,12 @@ namespace stylet {
 
 /// What comes next. step: time passes, whether a needle is in or not.
 struct Wish {
-  enum class Kind { step, enter, implant, done };
+  enum class Kind { step, enter, implant, change, done };
   Kind kind = Kind::step;
   const NeedleParameters* needle = nullptr;  ///< that enters; lent until it has
   std::string target = {};                   ///< of the seed
+  std::string key = {};                      ///< of Simulation::change
+  double value = 0;                          ///< SI
 };
 
 /// What a step led to.
@@ -50,6 +54,12 @@ class Hand {
   /// tissue that has not moved. Throws NumericalError where the hand cannot go on from there.
   virtual void entered(double skin, double at_rest) = 0;
   virtual void implanted() = 0;
+  virtual void changed() {}
+  /// Of the tip (m/s); not all hands have one.
+  [[nodiscard]] virtual std::optional<double> speed_limit() const { return std::nullopt; }
+  virtual void limit_speed(double /*most*/) {}
+  /// The wish could not be fulfilled, and nothing has happened; its error is on the way.
+  virtual void refused() {}
   /// Throws NumericalError where what is awaited will never be.
   virtual void stepped(const NeedleStep& step, const StepOutcome& outcome) = 0;
 };
@@ -86,32 +96,52 @@ class Schedule : public Hand {
 /// before time goes on.
 class LiveHand : public Hand {
  public:
-  /// Its motion is not used.
+  /// Its motion is not used. Without a name it gets needle1, needle2, ...
   void enter(NeedleParameters needle);
   /// Speed of the tip from now on (m/s): positive pushes, negative pulls, 0 holds.
   void move(double speed);
   void implant(std::string target = {});
+  /// As Simulation::change, after the orders before it.
+  void change(std::string key, double value);
   void finish();
+  /// Of the speeds from now on, and of the present one (m/s); none: infinity.
+  void limit_speed(double most) override;
+  [[nodiscard]] std::optional<double> speed_limit() const override { return most_; }
+  [[nodiscard]] double speed() const { return speed_; }
+  [[nodiscard]] double tip() const { return tip_; }
+  /// Where the simulation has gone back to an earlier state: the tip was there (m). Drops all orders; the
+  /// needle is held.
+  void hold_at(double tip);
 
   [[nodiscard]] Wish next() const override;
   [[nodiscard]] NeedleStep step(double longest) override;
   [[nodiscard]] long long ended() const override { return ended_; }
   void entered(double skin, double at_rest) override;
   void implanted() override;
+  void changed() override;
+  void refused() override;
   void stepped(const NeedleStep& step, const StepOutcome& outcome) override;
 
- private:
+ protected:
   struct Ordered {
     Wish::Kind kind;
     NeedleParameters needle = {};
     std::string target = {};
+    std::string key = {};
+    double value = 0;
   };
+  /// The order that is being obeyed.
+  [[nodiscard]] const Ordered& order() const { return orders_.front(); }
+
+ private:
   void obeyed();
 
   std::deque<Ordered> orders_;
   double speed_ = 0;  ///< m/s
-  double tip_ = 0;    ///< m
+  double most_ = std::numeric_limits<double>::infinity();
+  double tip_ = 0;  ///< m
   long long ended_ = 0;
+  int n_entered_ = 0;
 };
 
 /// Time that a scene takes (s), as far as it is known before.

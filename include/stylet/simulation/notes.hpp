@@ -8,7 +8,8 @@
 
 namespace stylet {
 
-/// Collective once the run is done. Each names what is affected, where and by how much; a run without a reason for doubt has none.
+/// Collective once the run is done. Each names what is affected, where and by how much; a run without a
+/// reason for doubt has none.
 [[nodiscard]] std::vector<std::string> notes_of(const Simulation& simulation);
 
 }  // namespace stylet

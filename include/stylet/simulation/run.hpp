@@ -26,6 +26,9 @@ struct RunOutcome {
   int failed_expectations = 0;
 };
 
+/// Files that the scene names, by absolute paths.
+[[nodiscard]] Scene with_absolute_paths(Scene scene);
+
 /// YAML of a scene with every default written out and its mesh by an absolute path: it runs again from
 /// any folder.
 [[nodiscard]] std::string resolved_text(Scene scene);

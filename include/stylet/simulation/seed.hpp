@@ -18,6 +18,9 @@ struct Seed {
   CuttingParameters cutting;  ///< of the needle
 };
 
+/// Why a needle cannot leave a seed where it stands; empty if it can. largest_tip_force: so far (N).
+[[nodiscard]] std::string why_no_seed(const Needle& needle, double largest_tip_force);
+
 /// Collective. Leaves a seed at the tip of a needle. largest_tip_force: of the needle so far (N), for
 /// the message. Throws NumericalError where the needle has not cut its way there.
 [[nodiscard]] Seed leave_seed(Body& body,

@@ -43,10 +43,10 @@ struct RunCounts {
 
 class Simulation {
  public:
-  /// Collective. Throws InputError where the scene is not valid, or scene and mesh do not fit. A scene with a
-  /// `document` has been checked by load_scene; who changes it in code calls `check`. track_energy: weighed after every
-  /// step, for the history. hand: none for the schedule of the scene; its needles enter at places of
-  /// the turned scene (`rotation`).
+  /// Collective. Throws InputError where the scene is not valid, or scene and mesh do not fit. A scene with
+  /// a `document` has been checked by load_scene; who changes it in code calls `check`. track_energy:
+  /// weighed after every step, for the history. hand: none for the schedule of the scene; its needles
+  /// enter at places of the turned scene (`rotation`).
   Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::unique_ptr<Hand> hand = nullptr);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -55,9 +55,20 @@ class Simulation {
   [[nodiscard]] bool done() const { return done_; }
   /// Collective. Throws NumericalError when the step has no valid answer.
   StepRecord step();
+  /// Collective. Sets a number in mid-run, between two steps (simulation/change.hpp has the keys; SI).
+  /// True if the tissue's matrices were made anew. Throws InputError where the key does not change or the
+  /// value is not allowed; nothing has happened then. A hand's order does the same, and is recorded.
+  bool change(const std::string& key, double value);
 
   /// In the needle's coordinates, like everything here; `rotation` leads back to the scene's.
   [[nodiscard]] const Scene& scene() const { return scene_; }
+  /// True if needles enter, now or later.
+  [[nodiscard]] bool pierces() const { return live_ || !scene_.needles.empty(); }
+  /// Needles come by a hand that the scene does not know, or by its recorded procedure.
+  [[nodiscard]] bool is_live() const { return live_; }
+  [[nodiscard]] const Hand& hand() const { return *hand_; }
+  /// What reading the recorded procedure left out; empty: nothing.
+  [[nodiscard]] const std::string& procedure_note() const { return procedure_note_; }
   [[nodiscard]] Rotation rotation() const { return Rotation(scene_.needle_angle); }
   [[nodiscard]] const Body& body() const { return body_; }
   [[nodiscard]] const NumberedMesh& numbered() const { return body_.numbered(); }
@@ -73,6 +84,8 @@ class Simulation {
   /// What holds the tissue now, with the contacts of the end of the last step.
   [[nodiscard]] ConstraintSet constraints() const;
   [[nodiscard]] const std::vector<Seed>& seeds() const { return seeds_; }
+  /// Why no seed can be left now; empty if one can.
+  [[nodiscard]] std::string why_no_seed() const;
   /// Where a seed lies now, in the mesh as it is now.
   [[nodiscard]] const EmbeddedPoint& place_of(const Seed& seed) const {
     return body_.points(seed.place).front();
@@ -93,17 +106,21 @@ class Simulation {
   StepRecord step_unguarded();
   [[nodiscard]] std::string held_points() const;
   void act_without_time();
+  void fulfil(const Wish& wish);
   void enter(const NeedleParameters& parameters);
+  [[nodiscard]] std::vector<double> region_modulus() const;
+  void tell_needle();
   void implant(const std::string& target);
   void count(const SubStep& step);
   void count_forces(const NeedleForces& forces, bool punctured);
   void count_deformed_inversions();
   void watch_strain();
 
+  std::string procedure_note_;
   Scene scene_;
+  bool live_;
   Body body_;
   std::unique_ptr<Hand> hand_;
-  bool has_schedule_;  ///< needles are the scene's
   bool track_energy_;
   std::optional<Needle> needle_;
   Riders membrane_;

@@ -28,10 +28,20 @@ struct MeanCondition {
   bool by_rate = false;
 };
 
+/// Pulls a dof along with coefficient (speed - v), v its velocity at the end of the step: a force that is
+/// solved for with the step, since one of the velocity before would be neither stable nor the same on
+/// shorter steps.
+struct Dashpot {
+  int dof;
+  double coefficient;  ///< N s/m
+  double speed;        ///< m/s
+};
+
 struct ConstraintSet {
   std::vector<PrescribedDof> dofs;  ///< each dof at most once
   std::optional<MeanCondition> mean;
   std::vector<DofValue> forces;          ///< N, on dofs
+  std::vector<Dashpot> dashpots;         ///< on dofs that are not prescribed, each at most once
   bool load_jumps = false;               ///< other forces on the tissue begin in this step
   const TrackOperator* track = nullptr;  ///< lent; of rows, if there are any
 };

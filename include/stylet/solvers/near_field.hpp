@@ -7,10 +7,11 @@
 //
 //   (S + E) q = S B y + f,   y = A0^-1 b,   x = y + A0^-1 B^T S (q - B y)
 //
-// f: forces on near coordinates, changes of b after `load`, and what given ones and the mean
-// condition need. So a step costs one solve before its trials and one after them; a trial is dense
-// algebra. The near field only grows, by solves for columns of W, until it is worth factoring anew.
-// All ranks hold the dense matrices; what they decide on is what rank 0 makes of them.
+// f: forces on near coordinates, changes of b after `load`, what given ones and the mean condition
+// need, and springs, which are solved for with q as a diagonal beside S + E. So a step costs one solve
+// before its trials and one after them; a trial is dense algebra. The near field only grows, by solves
+// for columns of W, until it is worth factoring anew. All ranks hold the dense matrices; what they decide
+// on is what rank 0 makes of them.
 #pragma once
 
 #include "stylet/solvers/constraint_set.hpp"
@@ -70,18 +71,27 @@ class NearField {
     std::size_t at;
     double value;
   };
+  /// A force that falls with its coordinate: force - stiffness q.
+  struct Spring {
+    std::size_t at;
+    double force;
+    double stiffness;
+  };
+  struct Demand {
+    std::vector<Given> given;
+    std::vector<Given> weights;   ///< of the mean condition, or empty
+    double value = 0;             ///< of it
+    std::vector<Spring> springs;  ///< not at given coordinates; each has one at most
+  };
   struct Solution {
-    std::vector<double> x;         ///< q
-    std::vector<double> reaction;  ///< f at given coordinates, less extra and lambda w; else zero
+    std::vector<double> x;  ///< q
+    /// f at given coordinates, less extra and lambda w; forces of springs; else zero.
+    std::vector<double> reaction;
     double lambda = 0;
   };
   /// Collective: rank 0's numbers, since contacts hang on them. extra: forces on near coordinates.
-  /// weights: of near coordinates, or empty; value: of their condition. Throws NumericalError if it
-  /// cannot be met.
-  Solution solve(std::span<const double> extra,
-                 std::span<const Given> given,
-                 std::span<const Given> weights,
-                 double value);
+  /// Throws NumericalError if the mean condition cannot be met.
+  Solution solve(std::span<const double> extra, const Demand& demand);
   /// Collective. x = A0^-1 B^T forces, on the first near coordinates.
   void respond(std::span<const double> forces, Vec x);
   /// Collective. residual = A x - b
@@ -93,8 +103,7 @@ class NearField {
   bool complete(const Balance& balance,
                 double largest,
                 std::span<const double> extra,
-                std::span<const Given> given,
-                std::span<const Given> weights,
+                const Demand& demand,
                 Solution& solution,
                 Vec x,
                 Vec residual);
@@ -113,11 +122,8 @@ class NearField {
   void answer(std::span<const double> forces, bool add_loaded, Vec x);
   [[nodiscard]] double largest_free(Vec residual) const;
   void expand(std::span<const double> x_near, Vec x);
-  [[nodiscard]] Solution solve_here(std::span<const double> extra,
-                                    std::span<const Given> given,
-                                    std::span<const Given> weights,
-                                    double value);
-  void refactor_dense(const std::vector<bool>& masked);
+  [[nodiscard]] Solution solve_here(std::span<const double> extra, const Demand& demand);
+  void refactor_dense(const std::vector<bool>& masked, const std::vector<double>& stiffness);
   void substitute(std::vector<double>& x) const;
   [[nodiscard]] std::size_t size() const { return coordinates_.size(); }
 
@@ -138,9 +144,10 @@ class NearField {
   // Column-major, leading dimension size().
   std::vector<double> s_;
   std::vector<double> k_;  ///< S + E
-  std::vector<double> l_;  ///< Cholesky factor of k_ with given dofs masked
+  std::vector<double> l_;  ///< Cholesky factor of k_ with springs, given coordinates masked
   std::vector<bool> mask_;
-  std::size_t valid_ = 0;  ///< leading rows of l_ that hold
+  std::vector<double> stiffness_;  ///< of springs
+  std::size_t valid_ = 0;          ///< leading rows of l_ that hold
   OwnedVec correction_;
   OwnedVec column_;  ///< of A0^-1 B^T
   std::vector<double> y_near_;

@@ -7,6 +7,7 @@
 // leaves out of such means; points that are nodes have none. Plain data: the needle makes it too.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 namespace stylet {
@@ -37,6 +38,8 @@ class TrackOperator {
 
   /// Row of B.
   [[nodiscard]] virtual SparseRow row(TrackPlace place) const = 0;
+  /// The one entry of such a row; none if it has more. Asked for in every trial.
+  [[nodiscard]] virtual std::optional<DofValue> dof(TrackPlace) const { return std::nullopt; }
   /// Entry of C (m/N), symmetric; between all rows of more than one dof it is positive definite, else 0.
   [[nodiscard]] virtual double rest(TrackPlace, TrackPlace) const { return 0; }
 };

@@ -31,7 +31,8 @@ struct Table {
                                  const std::string& text,
                                  const std::string& plan);
 
-/// Appends rows, each with its fingerprint; rank 0's file. A row is with the operating system when `append` returns.
+/// Appends rows, each with its fingerprint; rank 0's file. A row is with the operating system when
+/// `append` returns.
 class ResultsFile {
  public:
   /// Collective. `kept`: rows of an earlier run that stay. The file is replaced as a whole, so that

@@ -248,6 +248,33 @@ TEST(Tetrahedra, MeshesThatDoNotCoverEachPointOnceAreRefused) {
   expect_refused(flat, "is degenerate: its volume is zero");
 }
 
+// Tetrahedra that meet without sharing faces would slide and gape.
+TEST(Tetrahedra, FacesThatMeetWithoutBeingSharedAreRefused) {
+  const MeshData data = make_box(brick(1));
+  MeshData hanging =
+      data;  // one tetrahedron cut at the middle of an edge, its neighbours as they were
+  const int middle = data.n_nodes();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto of = [&](std::size_t corner) {
+      return data.coordinates[3 * static_cast<std::size_t>(data.cells[corner]) + k];
+    };
+    hanging.coordinates.push_back(0.5 * (of(0) + of(3)));
+  }
+  hanging.cells[3] = middle;
+  hanging.cells.insert(hanging.cells.end(), {middle, data.cells[1], data.cells[2], data.cells[3]});
+  hanging.cell_region.push_back(0);
+  expect_refused(hanging, "whose tetrahedron does not have it");
+  // A pyramid on a square that a pyramid below cuts along the other diagonal.
+  MeshData crossed;
+  crossed.dim = 3;
+  crossed.source = "crossed";
+  crossed.coordinates = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, 1, 0.5, 0.5, -1, -1, 0, 0};
+  crossed.cells = {0, 1, 2, 4, 0, 2, 3, 4, 0, 1, 3, 5, 1, 2, 3, 5, 0, 3, 4, 6, 0, 3, 5, 6};
+  crossed.cell_region.assign(6, 0);
+  crossed.region_names = {"tissue"};
+  expect_refused(crossed, "lies on the outer triangle");
+}
+
 // A bar bent into a ring that goes round more than once.
 TEST(Tetrahedra, ABarThatRunsThroughItselfIsRefused) {
   BoxMesh p;

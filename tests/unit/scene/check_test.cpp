@@ -216,6 +216,42 @@ TEST(Check, ACurveIsHeldMovedOrLoadedOnce) {
               HasSubstr("key 'prescribed.0.start': value '2 s'; allowed: at most time.duration"));
 }
 
+TEST(Check, AProcedureTakesThePlaceOfNeedles) {
+  EXPECT_EQ(message_of(block_scene, {"procedure.file=rows.yaml"}), "no error");
+  EXPECT_THAT(message_of(needle_scene, {"procedure.file=rows.yaml"}),
+              HasSubstr("key 'needles': value"));
+  EXPECT_THAT(message_of(block_scene, {"procedure.file=rows.yaml", "time.duration=1 s"}),
+              HasSubstr("key 'time.duration'"));
+  EXPECT_THAT(message_of(block_scene, {"procedure.file=rows.yaml", "time.until=implanted"}),
+              HasSubstr("key 'time.until'"));
+}
+
+TEST(Check, APictureOfAFileHasAPlace) {
+  EXPECT_EQ(message_of(block_scene, {"image={seed: 1}"}), "no error");
+  EXPECT_THAT(message_of(block_scene, {"image={file: a.png, size: [1 cm, 1 cm]}"}),
+              HasSubstr("key 'image.origin': missing; allowed: where the picture"));
+  EXPECT_THAT(message_of(block_scene, {"image={size: [1 cm, 1 cm]}"}),
+              HasSubstr("key 'image.size': value"));
+}
+
+TEST(Check, ANeedleOfAHandIsCheckedLikeThatOfAScene) {
+  const Scene scene = load_scene("s.yaml", needle_scene);
+  NeedleParameters needle = scene.needles[0];
+  needle.name = "mine";
+  needle.motion.clear();
+  EXPECT_NO_THROW(check_needle(scene, needle));
+  needle.friction->slip_speed = 0.1e-3;
+  try {
+    check_needle(scene, needle);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("key 'needles.0.friction.slip_speed'"));
+  }
+  needle = scene.needles[0];
+  needle.cutting.tip_length = -1;
+  EXPECT_THROW(check_needle(scene, needle), InputError);
+}
+
 TEST(Check, ScenesMadeInCodeKeepTheRangesToo) {
   Scene scene = load_scene("s.yaml", needle_scene);
   scene.needles[0].cutting.sharpness = 2;

@@ -47,7 +47,8 @@ needles:
     height: 3.3 cm
     cutting: {law: increment, cutting_force: 1.7 N, sharpness: 0.7, stiffness_share: 0.3,
               reference_youngs_modulus: 60 kPa, tip_length: 6 mm, increment: 0.1 mm}
-    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s}
+    friction: {static_force: 195 N/m, kinetic_force: 130 N/m, stick_speed: 1 mm/s, slip_speed: 1.5 mm/s,
+               viscous_coefficient: 2.5 kN s/m^2}
     motion:
       - insert: {speed: 2 cm/s, depth: 4 cm}
       - implant: {target: b}
@@ -96,6 +97,17 @@ std::string polygon_scene() {
          "membrane: {polygon: [[0 m, 0 m], [1 cm, 0 m], [0 m, 1 cm]], puncture_force: 1 N}\n";
 }
 
+const std::string procedure_scene =
+    R"(mesh: {rectangle: {size: [8 cm, 6 cm], columns: 8, rows: 6}}
+tissue:
+  plane: strain
+  regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.3, density: 1 g/cm^3}}
+procedure: {file: "a b/procedure.yaml"}
+image: {file: a.png, origin: [1 cm, -2 mm], size: [3 cm, 0.1 m], seed: 3, attenuation: 7.25 1/m,
+        shadow: 0.3}
+expect: [{quantity: seeds.3.placement_error, max: 1 mm}]
+)";
+
 void collect(const Node& node,
              const Key& key,
              const std::string& path,
@@ -115,14 +127,16 @@ void collect(const Node& node,
 
 TEST(Writer, WritesEveryKeyOfTheSchema) {
   std::set<std::string> written;
-  for (const std::string& text : {everything, polygon_scene(), block_scene, in_space}) {
+  for (const std::string& text :
+       {everything, polygon_scene(), block_scene, procedure_scene, in_space}) {
     collect(to_document(load_scene("s.yaml", text)), scene_codec().key, {}, written);
   }
   for (const SchemaRow& row : schema_rows()) EXPECT_TRUE(written.contains(row.path)) << row.path;
 }
 
 TEST(Writer, WhatItWritesLoadsToTheSameScene) {
-  for (const std::string& text : {everything, polygon_scene(), needle_scene, block_scene, in_space}) {
+  for (const std::string& text :
+       {everything, polygon_scene(), needle_scene, block_scene, procedure_scene, in_space}) {
     const std::string once = to_yaml(load_scene("s.yaml", text));
     const std::string twice = to_yaml(load_scene("s.yaml", once));
     EXPECT_EQ(once, twice);
