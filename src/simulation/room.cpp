@@ -30,10 +30,10 @@ double bytes_needed(const Scene& scene, double n_cells) {
     return program + (factors ? with_factor : operators) * n_cells;
   }
   const bool averages = scene.tissue.formulation == Formulation::p1_averaged;
-  const double operators = averages ? 4000 : 1200;
-  const double bytes = program + operators * n_cells;
+  if (!factors) return program + (averages ? 2400 : 600) * n_cells;
   constexpr double dofs_a_cell = 0.55;
-  return factors ? bytes + factor_bytes(3, dofs_a_cell * n_cells, averages ? 180 : 42) : bytes;
+  return program + (averages ? 7500 : 2000) * n_cells +
+         factor_bytes(3, dofs_a_cell * n_cells, averages ? 180 : 42);
 }
 
 Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine) {

@@ -81,9 +81,8 @@ double factor_bytes(int dim, double n_dofs, double entries_a_row) {
   // Measured on meshes of 1e5 to 1e6 triangles; n log n, so more than enough on smaller ones.
   constexpr double bytes_a_dof = 2400;
   if (dim == 2) return bytes_a_dof * n_dofs;
-  // Nested dissection in space, measured on 1e4 to 1e5 tetrahedra of both kinds.
-  constexpr double usual_row = 42;  // of p1
-  return 40 * std::pow(n_dofs, 1.46) * std::pow(entries_a_row / usual_row, 0.8);
+  // Nested dissection in space, measured on 1e4 to 3e5 tetrahedra of both kinds (jobs/README.md).
+  return entries_a_row * std::pow(n_dofs, 1.46);
 }
 
 SolverKind solver_for(double factor, int ranks, int ranks_of_machine, double machine_memory) {

@@ -215,7 +215,7 @@ class Space(CliTest):
 
     def test_needles_are_in_the_plane_so_far(self):
         self.refuse(["needles=[{height: 1 cm, cutting: {cutting_force: 1 N}, motion: [{insert: "
-                     "{speed: 1 cm/s, depth: 1 cm}}]}]"], "key 'needles'", "not yet in space")
+                     "{speed: 1 cm/s, depth: 1 cm}}]}]"], "tissue.plane", "not yet in space")
         self.refuse("procedure={file: p.csv}", "key 'procedure'", "not yet in space")
         self.refuse("targets={t: [1 cm, 1 cm]}", "key 'targets'", "not yet in space")
         self.refuse("membrane={region: tissue, puncture_force: 1 N}", "key 'membrane'",

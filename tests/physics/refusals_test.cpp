@@ -266,7 +266,7 @@ TEST(Refusal, ASceneMadeInCodeIsCheckedAsOneFromAFileIs) {
        }},
       {"prescribed=[{curve: right, displacement: [null, null]}]",
        [](Scene& s) {
-         s.prescribed = {{"right", {}, 0, 0}};
+         s.prescribed = {{"right", {std::nullopt, std::nullopt}, 0, 0}};
        }},
   };
   for (const auto& [change, fault] : faults) {
