@@ -115,8 +115,8 @@ class Rules {
       const auto& curve = scene_.prescribed[i].curve;
       const auto support = std::ranges::find(scene_.supports, curve, &Support::curve);
       require(support == scene_.supports.end() || support->kind != SupportKind::fixed,
-              item("prescribed", i) + ".curve",
-              "a curve that is not held; supports." + curve + " is fixed");
+              item("prescribed", i) + "." + boundary(),
+              "a " + boundary() + " that is not held; supports." + curve + " is fixed");
       const auto& displacement = scene_.prescribed[i].displacement;
       const auto given = [](const std::optional<double>& component) {
         return component.has_value();
@@ -129,13 +129,15 @@ class Rules {
     }
   }
 
+  [[nodiscard]] std::string boundary() const { return scene_.dim() == 2 ? "curve" : "surface"; }
+
   // Whether a second one adds to the first or takes its place, the scene would not say.
   template <class T>
   void require_one_a_curve(const std::vector<T>& items, const std::string& list) const {
     for (std::size_t i = 0; i < items.size(); ++i) {
       const auto first = std::ranges::find(items, items[i].curve, &T::curve) - items.begin();
-      require(static_cast<std::size_t>(first) == i, item(list, i) + ".curve",
-              "one entry a curve, and " + item(list, static_cast<std::size_t>(first)) +
+      require(static_cast<std::size_t>(first) == i, item(list, i) + "." + boundary(),
+              "one entry a " + boundary() + ", and " + item(list, static_cast<std::size_t>(first)) +
                   " is of this one");
       require(scene_.time.duration == 0 || items[i].start <= scene_.time.duration,
               item(list, i) + ".start",

@@ -5,6 +5,7 @@
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/room.hpp"
+#include "stylet/solvers/whole_solver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -269,28 +270,47 @@ class Overview {
     const double memory = in_space_ ? bytes_needed(scene_, n) : program + a_triangle * n;
     add("size", "about " + bytes_text(memory * n_ranks_) + " of memory, " + bytes_text(disk()) +
                     " on disk");
-    double a_step = 2.1e-7 * n;
-    if (scene_.time.method == TimeMethod::quasi_static) a_step = 7e-8 * n;
-    if (scene_.time.method == TimeMethod::explicit_newmark) {
-      a_step = sub_steps_ * (1.4e-5 + 4e-9 * n);
-    }
+    const auto [set_up, a_step] = in_space_ ? seconds_in_space(n) : seconds_in_the_plane(n);
     char seconds[40];
-    std::snprintf(seconds, sizeof seconds, "%.1g s", a_step * n_steps_ + 2e-6 * n);
+    std::snprintf(seconds, sizeof seconds, "%.1g s", a_step * n_steps_ + set_up);
     add("takes", "about " + std::string(seconds) +
                      (open_ended_ && !scene_.time.until_implanted ? ", settling apart," : "") +
                      " on one core; a third or thrice as long on another machine");
   }
 
+  // Of the set-up, and of a step.
+  [[nodiscard]] std::pair<double, double> seconds_in_the_plane(double n) const {
+    double a_step = 2.1e-7 * n;
+    if (scene_.time.method == TimeMethod::quasi_static) a_step = 7e-8 * n;
+    if (scene_.time.method == TimeMethod::explicit_newmark) {
+      a_step = sub_steps_ * (1.4e-5 + 4e-9 * n);
+    }
+    return {2e-6 * n, a_step};
+  }
+
+  [[nodiscard]] std::pair<double, double> seconds_in_space(double n) const {
+    const bool averages = scene_.tissue.formulation == Formulation::p1_averaged;
+    const double row = averages ? 180 : 42;
+    const double n_dofs = 3.0 * mesh_.n_nodes();
+    const double set_up = (averages ? 2e-5 : 7e-6) * n;
+    if (scene_.time.method == TimeMethod::explicit_newmark) {
+      return {set_up, sub_steps_ * 2e-9 * row * n_dofs};
+    }
+    const double bytes = factor_bytes(3, n_dofs, row);  // made, and read twice a step
+    return {set_up + 4e-9 * bytes, 1.7e-10 * bytes};
+  }
+
   [[nodiscard]] double disk() const {
     constexpr double a_number = 20;  // as text
     double bytes = 20e3;
-    const double columns = 20 + 2.0 * static_cast<double>(scene_.probes.size()) +
-                           2.0 * static_cast<double>(scene_.prescribed.size());
+    const double n_vectors = static_cast<double>(scene_.probes.size() + scene_.prescribed.size());
+    const double columns = 20 + scene_.dim() * n_vectors;
     if (scene_.output.history) bytes += n_steps_ * columns * a_number;
     if (scene_.output.snapshots) {
       const double snapshots =
           std::min(n_steps_, n_steps_ * scene_.time.step / *scene_.output.snapshots) + 2;
-      bytes += snapshots * (68.0 * mesh_.n_nodes() + 56.0 * mesh_.n_cells() + 60e3);
+      bytes +=
+          snapshots * (68.0 * mesh_.n_nodes() + (in_space_ ? 84.0 : 56.0) * mesh_.n_cells() + 60e3);
     }
     return bytes;
   }

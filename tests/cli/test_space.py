@@ -4,7 +4,9 @@ import itertools
 import json
 import unittest
 
-from stylet_cli import DONE, CliTest
+import h5py
+
+from stylet_cli import DONE, SOURCE, CliTest, call, on_ranks
 
 SCENE = """\
 mesh:
@@ -196,6 +198,18 @@ class Space(CliTest):
         self.write("block.msh", mesh(names=['3 2 "gland"']).replace(" 4 2 1 1 ", " 4 2 2 1 ", 6))
         self.refuse([], "gland", "no material")
 
+    def test_surfaces_with_two_conditions(self):
+        self.refuse("prescribed=[{surface: left, displacement: [1 mm, null, null]}]",
+                    "prescribed.0.displacement", "would have no effect")
+        self.refuse(["prescribed=[{surface: left, displacement: [1 mm, null, null]}]",
+                     "supports={left: fixed}"], "prescribed.0.surface", "a surface that is not held")
+        stress = "{surface: right, stress: [1 Pa, 0 Pa, 0 Pa]}"
+        self.refuse(f"loads.traction=[{stress}, {stress}]", "loads.traction.1.surface",
+                    "one entry a surface")
+        self.refuse(["prescribed=[{surface: right, displacement: [1 mm, 0 mm, 0 mm]}, "
+                     "{surface: bottom, displacement: [2 mm, null, null]}]", "loads=null"],
+                    "prescribed.1.displacement", "a point of surface 'right' too")
+
     def test_dimensions_that_do_not_fit(self):
         self.refuse(["tissue.plane=strain", "loads=null", "probes=null"], "block.msh:",
                     "allowed: a plane mesh")
@@ -234,6 +248,21 @@ class Space(CliTest):
                     "allowed here: up to")
         self.assert_refused(self.stylet("converge", "scene.yaml", "--mesh-levels", 9),
                             "--mesh-levels", "tetrahedra", "GB", "fewer")
+
+    def test_snapshots(self):
+        """From two ranks; ParaView looks at them where it is installed."""
+        self.assert_code(on_ranks(2, self.folder, "run", "scene.yaml", "--output", "out", "--set",
+                                  "time={method: implicit, step: 1 ms, duration: 5 ms}", "--set",
+                                  "output.snapshots=2 ms"), DONE)
+        checker = SOURCE / "tests/python/check_snapshots.py"
+        looked = call(["/usr/bin/python3", "-B", checker, "out"], self.folder)
+        self.assert_code(looked, DONE)
+        self.assertIn(" 0 problems", looked.out)
+        with h5py.File(self.folder / "out/snapshots.h5") as file:
+            step = file[[name for name in sorted(file) if name.startswith("step_")][-1]]
+            self.assertEqual(step["u"].shape, ((N + 1) ** 3, 3))
+            for field in ("stress_zz", "stress_yz", "stress_zx"):
+                self.assertEqual(len(step[field]), 6 * N ** 3)
 
     def test_converge(self):
         outcome = self.stylet("converge", "scene.yaml", "--mesh-levels", 2, "--step-levels", 1,
