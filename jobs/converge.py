@@ -7,11 +7,16 @@ EXAMPLES = """examples:
   mpirun -n 2 build/stylet converge input/prostate.yaml
   jobs/converge.py out/converge-prostate
 """
-AXIS = {"mesh": "triangles", "step": "time step (ms)", "joint": "triangles"}
+
+
+def cells_in(level):
+    """The word for the cells of this level's mesh, and their number."""
+    word = "tetrahedra" if "n_tetrahedra" in level else "triangles"
+    return word, level["n_" + word]
 
 
 def place(name, level):
-    return 1e3 * level["step"] if name == "step" else level["n_triangles"]
+    return 1e3 * level["step"] if name == "step" else cells_in(level)[1]
 
 
 def draw(study, quantities):
@@ -35,7 +40,8 @@ def draw(study, quantities):
             axes.set_xscale("log")
             if name == "step":
                 axes.invert_xaxis()
-            axes.set_xlabel(AXIS[name] + (", step halved with it" if name == "joint" else ""))
+            axes.set_xlabel("time step (ms)" if name == "step" else cells_in(entry["levels"][0])[0]
+                            + (", step halved with it" if name == "joint" else ""))
             if axes is all_axes[row][0]:
                 axes.set_ylabel(quantity.label)
             style(axes)
@@ -46,7 +52,8 @@ def draw(study, quantities):
 def report(study, quantities):
     lines = ["# Convergence", ""]
     for quantity in quantities:
-        lines += [f"## {quantity.path}", "", f"| refined | triangles | step (ms) | {quantity.label} "
+        cells, _ = cells_in(study["quantities"][quantity.path]["mesh"]["levels"][0])
+        lines += [f"## {quantity.path}", "", f"| refined | {cells} | step (ms) | {quantity.label} "
                   "| uncertainty | order | limit |", "|---|---|---|---|---|---|---|"]
         for name in ("mesh", "step", "joint"):
             entry = study["quantities"][quantity.path].get(name)
@@ -56,7 +63,7 @@ def report(study, quantities):
                 last = level is entry["levels"][-1]
                 told = last and not entry["remark"]
                 lines.append(
-                    f"| {name} | {level['n_triangles']} | {1e3 * level['step']:.4g} | "
+                    f"| {name} | {cells_in(level)[1]} | {1e3 * level['step']:.4g} | "
                     f"{quantity.factor * level['value']:.4f} | "
                     f"{quantity.factor * level['uncertainty']:.2g} | "
                     f"{entry['order'] if told else float('nan'):.2f} | "

@@ -257,7 +257,7 @@ def provenance(summary):
               for name, print_ in summary.get("fingerprints", {}).items()]
     options = " ".join(summary.get("solver_options", [])) or "none"
     pairs.append(("solver options", f"<code>{escape(options)}</code>"))
-    for key, words in (("n_triangles", "triangles"), ("n_nodes", "nodes"), ("n_ranks", "ranks")):
+    for key, words in (("n_triangles", "triangles"), ("n_tetrahedra", "tetrahedra"), ("n_nodes", "nodes"), ("n_ranks", "ranks")):
         if key in summary:
             pairs.append((words, escape(summary[key])))
     walls = summary.get("wall_times", {})

@@ -67,11 +67,11 @@ void Archive::node(const std::string& name, int& number) {
 }
 
 void Archive::dof(const std::string& name, int& number) {
-  const int component = number % 2;
-  int stored = loads_ ? 0 : 2 * renumbered(order_.nodes, number / 2) + component;
+  const int dim = order_.dim;
+  int stored = loads_ ? 0 : dim * renumbered(order_.nodes, number / dim) + number % dim;
   (*this)(name, stored);
   const Below below(*this, name);
-  if (loads_) number = 2 * renumbered(order_.nodes, stored / 2) + stored % 2;
+  if (loads_) number = dim * renumbered(order_.nodes, stored / dim) + stored % dim;
 }
 
 void Archive::cell(const std::string& name, int& number) {

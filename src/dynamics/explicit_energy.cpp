@@ -15,8 +15,9 @@ StoredEnergy ExplicitNewmark::energy(const State& state) {
     const Values u(state.u.get());
     const Values v(state.v.get());
     const Values force(work_.get());
-    for (std::size_t i = 0; i < 2 * node_mass_.size(); ++i) {
-      twice[0] += node_mass_[i / 2] * v.data()[i] * v.data()[i];
+    const auto dim = static_cast<std::size_t>(tissue_.dim());
+    for (std::size_t i = 0; i < dim * node_mass_.size(); ++i) {
+      twice[0] += node_mass_[i / dim] * v.data()[i] * v.data()[i];
       twice[1] += u.data()[i] * force.data()[i];
     }
   }

@@ -35,7 +35,7 @@ ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
     check(VecSet(vec->get(), 0));
   }
   const Values masses(tissue.lumped_mass());
-  for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += 2) {
+  for (int dof = tissue.first_dof(); dof < tissue.end_dof(); dof += tissue.dim()) {
     node_mass_.push_back(masses[dof]);
   }
   make_room();
@@ -141,7 +141,7 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   for (const auto& c : dofs_) {
     if (c.velocity) continue;
     placed_.push_back(c.dof);
-    if (!tissue_.owns(c.dof / 2)) continue;
+    if (!tissue_.owns(c.dof / tissue_.dim())) continue;
     given_.push_back({static_cast<std::size_t>(c.dof - tissue_.first_dof()), c.value});
   }
   // Those that are held come first and ascend.
@@ -150,7 +150,8 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
   std::ranges::inplace_merge(given_, given_.begin() + needle, {}, &GivenPlace::dof);
   const ExplicitFactors factors{h, damping_.mass_factor, stiffness_factor};
   StepSums sums;
-  const bool alone = size_of(tissue_.comm()) == 1;
+  const bool in_space = tissue_.dim() == 3;
+  const bool fused = !in_space && size_of(tissue_.comm()) == 1;
   const auto lend = [&](auto&& then) {
     const Values u0(state_->u.get());
     const Values v0(state_->v.get());
@@ -160,13 +161,18 @@ void ExplicitNewmark::advance(double h, Vec u, Vec v) {
     Entries v1(v);
     Entries a1(a_.get());
     Entries s(stretched_.get());
-    const auto first = static_cast<std::size_t>(tissue_.first_dof() / 2);
+    const auto first = static_cast<std::size_t>(tissue_.first_dof() / tissue_.dim());
     then(ExplicitArrays{node_mass_.size(), u0.data(), v0.data(), a0.data(), u1.data(), v1.data(),
-                        a1.data(), alone && stiffness_factor == 0 ? u1.data() : s.data(),
-                        alone ? a1.data() : force_.data(), load_size > 0 ? load.data() : nullptr,
-                        node_mass_.data(), bound_.inverse_roots().data() + first});
+                        a1.data(), fused && stiffness_factor == 0 ? u1.data() : s.data(),
+                        fused || in_space ? a1.data() : force_.data(),
+                        load_size > 0 ? load.data() : nullptr, node_mass_.data(),
+                        bound_.inverse_roots().data() + first});
   };
-  if (alone) {
+  if (in_space) {
+    lend([&](const ExplicitArrays& x) { predict_in_space(x, factors, given_, sums); });
+    cells_.stiffness(stretched_.get(), a_.get());
+    lend([&](const ExplicitArrays& x) { accelerate_in_space(x, factors, sums); });
+  } else if (fused) {
     lend([&](const ExplicitArrays& x) {
       step(x, factors, cells_.kernel(), given_, pressure_, sums);
     });

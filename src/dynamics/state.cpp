@@ -2,12 +2,11 @@
 
 namespace stylet {
 
-std::vector<int> dofs_of(std::span<const int> nodes) {
+std::vector<int> dofs_of(std::span<const int> nodes, int dim) {
   std::vector<int> dofs;
-  dofs.reserve(2 * nodes.size());
+  dofs.reserve(static_cast<std::size_t>(dim) * nodes.size());
   for (const int node : nodes) {
-    dofs.push_back(2 * node);
-    dofs.push_back(2 * node + 1);
+    for (int k = 0; k < dim; ++k) dofs.push_back(dim * node + k);
   }
   return dofs;
 }

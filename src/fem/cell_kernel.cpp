@@ -2,7 +2,7 @@
 
 #include "stylet/base/index.hpp"
 #include "stylet/base/sorted.hpp"
-#include "stylet/fem/element.hpp"
+#include "stylet/fem/simplex.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,8 +31,8 @@ std::vector<int> cells_within(const Mesh& mesh, const TissueOperator& tissue, in
   }
 }
 
-std::vector<VolumePatch> patches_of(const Mesh& mesh, const TissueOperator& tissue, int node) {
-  return volume_patches(mesh, node, [&](int cell) { return tissue.moduli(cell).lambda; });
+std::vector<VolumePatch<2>> patches_of(const Mesh& mesh, const TissueOperator& tissue, int node) {
+  return volume_patches<2>(mesh, node, [&](int cell) { return tissue.moduli(cell).lambda; });
 }
 
 }  // namespace
@@ -108,8 +108,7 @@ void CellKernel::put(std::size_t slot, const Mesh& mesh, const TissueOperator& t
   const std::size_t group = slot / lanes;
   const std::size_t lane = slot % lanes;
   const auto nodes = mesh.cell(cell);
-  const LinearSimplex<2> element(
-      {mesh.coordinates(nodes[0]), mesh.coordinates(nodes[1]), mesh.coordinates(nodes[2])});
+  const auto element = simplex<2>(mesh, cell);
   const double volume = tissue.parameters().thickness * element.measure;
   const Moduli m = tissue.moduli(cell);
   const double scale = std::sqrt(m.mu * volume);
@@ -160,7 +159,7 @@ int CellKernel::patch_of(int local, int region) const {
 }
 
 void CellKernel::weigh(const Mesh& mesh, const TissueOperator& tissue, int node) {
-  for (const VolumePatch& patch : patches_of(mesh, tissue, node)) {
+  for (const VolumePatch<2>& patch : patches_of(mesh, tissue, node)) {
     patch_stiffness_[at(patch_of(nodes_.of(node), patch.region))] =
         1 / (tissue.parameters().thickness * patch.compliance);
   }

@@ -122,6 +122,7 @@ CellOperator::CellOperator(const Mesh& mesh, const TissueOperator& tissue) : tis
 }
 
 void CellOperator::make(const Mesh& mesh) {
+  if (tissue_.dim() == 3) return;
   cells_ = CellKernel(mesh, tissue_);
   if (size_of(tissue_.comm()) == 1) return;
   for (OwnedVec& vec : ghosted_) vec = make_ghosted();
@@ -131,13 +132,14 @@ void CellOperator::make(const Mesh& mesh) {
 OwnedVec CellOperator::make_ghosted() const {
   const std::vector<int>& ghosts = cells_.nodes().ghosts();
   OwnedVec vec;
-  check(VecCreateGhostBlock(tissue_.comm(), 2, tissue_.end_dof() - tissue_.first_dof(),
+  check(VecCreateGhostBlock(tissue_.comm(), tissue_.dim(), tissue_.end_dof() - tissue_.first_dof(),
                             tissue_.n_dofs(), static_cast<PetscInt>(ghosts.size()), ghosts.data(),
                             vec.put()));
   return vec;
 }
 
 bool CellOperator::update(const Mesh& mesh, std::span<const int> cells) {
+  if (tissue_.dim() == 3) return false;
   int lacks = cells_.update(mesh, tissue_, cells) ? 0 : 1;
   if (size_of(tissue_.comm()) > 1) {
     MPI_Allreduce(MPI_IN_PLACE, &lacks, 1, MPI_INT, MPI_MAX, tissue_.comm());
@@ -163,6 +165,11 @@ void CellOperator::multiply(Vec x, Vec z, Vec kx, Vec mz) {
   static const LogEvent event("StyletProduct");
   const LogScope scope(event);
   const bool both = z != nullptr;
+  if (tissue_.dim() == 3) {
+    check(MatMult(tissue_.stiffness(), x, kx));
+    if (both) check(MatMult(tissue_.mass(), z, mz));
+    return;
+  }
   if (size_of(tissue_.comm()) == 1) {
     const Values from(x);
     const Values with(both ? z : x);

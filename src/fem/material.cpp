@@ -17,7 +17,7 @@ Moduli lame_moduli(const LinearElastic& material) {
   return {e * nu / ((1 + nu) * (1 - 2 * nu)), e / (2 * (1 + nu))};
 }
 
-Moduli plane_moduli(const LinearElastic& material, Plane plane) {
+Moduli moduli_of(const LinearElastic& material, std::optional<Plane> plane) {
   Moduli m = lame_moduli(material);
   if (plane == Plane::stress) {
     m.lambda = material.youngs_modulus * material.poisson_ratio /
@@ -26,16 +26,13 @@ Moduli plane_moduli(const LinearElastic& material, Plane plane) {
   return m;
 }
 
-double PlaneStress::von_mises() const {
+double Stress::von_mises() const {
   return std::sqrt(0.5 * ((xx - yy) * (xx - yy) + (yy - zz) * (yy - zz) + (zz - xx) * (zz - xx)) +
-                   3 * xy * xy);
+                   3 * xy * xy + 3 * yz * yz + 3 * zx * zx);
 }
 
-PlaneStress plane_stress(const LinearSimplex<2>::Block& h,
-                         double mu,
-                         double pressure,
-                         Plane plane) {
-  PlaneStress s;
+Stress plane_stress(const LinearSimplex<2>::Block& h, double mu, double pressure, Plane plane) {
+  Stress s;
   s.xx = pressure + 2 * mu * h[0][0];
   s.yy = pressure + 2 * mu * h[1][1];
   s.xy = mu * (h[0][1] + h[1][0]);
@@ -43,9 +40,26 @@ PlaneStress plane_stress(const LinearSimplex<2>::Block& h,
   return s;
 }
 
+Stress space_stress(const LinearSimplex<3>::Block& h, double mu, double pressure) {
+  const auto normal = [&](std::size_t i) { return pressure + 2 * mu * h[i][i]; };
+  const auto shear = [&](std::size_t i, std::size_t k) { return mu * (h[i][k] + h[k][i]); };
+  return {normal(0), normal(1), shear(0, 1), normal(2), shear(1, 2), shear(2, 0)};
+}
+
 double shear_energy_density(const LinearSimplex<2>::Block& h, double mu) {
   const double shear = h[0][1] + h[1][0];
   return mu * (h[0][0] * h[0][0] + h[1][1] * h[1][1] + 0.5 * shear * shear);
+}
+
+double shear_energy_density(const LinearSimplex<3>::Block& h, double mu) {
+  double squares = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double strain = 0.5 * (h[i][k] + h[k][i]);
+      squares += strain * strain;
+    }
+  }
+  return mu * squares;
 }
 
 }  // namespace stylet

@@ -14,7 +14,7 @@ void TissueOperator::take_materials(const Mesh& mesh) {
   bool uniform = true;
   for (const auto& [region, elastic] : parameters_.regions) {
     const auto index = static_cast<std::size_t>(mesh.region_index(region));
-    by_region[index] = {plane_moduli(elastic, parameters_.plane), elastic.density};
+    by_region[index] = {moduli_of(elastic, parameters_.plane), elastic.density};
     given[index] = true;
     const auto& first = parameters_.regions.front().material;
     uniform = uniform && elastic.youngs_modulus == first.youngs_modulus &&

@@ -15,12 +15,6 @@
 
 namespace stylet {
 
-namespace {
-
-constexpr std::size_t dim = 2;
-
-}  // namespace
-
 TissueOperator::TissueOperator(MPI_Comm comm,
                                const Mesh& mesh,
                                std::vector<int> first_node,
@@ -29,11 +23,18 @@ TissueOperator::TissueOperator(MPI_Comm comm,
                                Stiffness kept,
                                bool keeps_regions)
     : comm_(comm),
+      dim_(mesh.dim()),
       first_node_(std::move(first_node)),
       parameters_(parameters),
       needs_flips_(std::move(needs_flips)),
       cell_region_(mesh.data().cell_region),
       kept_(kept) {
+  if (parameters.dim() != dim_) {
+    throw InputError(mesh.data().source +
+                     (dim_ == 2 ? ": a mesh of triangles needs a plane"
+                                : ": a mesh of tetrahedra has no plane") +
+                     " (tissue.plane)");
+  }
   const auto rank = static_cast<std::size_t>(rank_of(comm));
   begin_ = first_node_[rank];
   end_ = first_node_[rank + 1];
@@ -69,22 +70,22 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
     for (const auto& coupled : columns) {
       const auto own = std::ranges::count_if(coupled, [&](int c) { return owns(c); });
       const auto far = static_cast<std::ptrdiff_t>(coupled.size()) - own;
-      for (std::size_t k = 0; k < dim; ++k) {
+      for (int k = 0; k < dim_; ++k) {
         d.push_back(static_cast<PetscInt>(own) * columns_a_coupling);
         o.push_back(static_cast<PetscInt>(far) * columns_a_coupling);
       }
     }
     OwnedMat matrix;
-    check(MatCreateAIJ(comm_, 2 * n_owned, 2 * n_owned, n_dofs(), n_dofs(), 0, d.data(), 0,
+    check(MatCreateAIJ(comm_, dim_ * n_owned, dim_ * n_owned, n_dofs(), n_dofs(), 0, d.data(), 0,
                        o.data(), matrix.put()));
-    check(MatSetBlockSize(matrix.get(), 2));
+    check(MatSetBlockSize(matrix.get(), dim_));
     check(MatSetOption(matrix.get(), MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
     check(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
     return matrix;
   };
-  stiffness_ = make(stiffness_columns_, 2);
+  stiffness_ = make(stiffness_columns_, dim_);
   if (parameters_.mass == MassKind::consistent) {
     mass_ = make(mass_columns_, 1);
   } else {
@@ -92,17 +93,17 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
   }
   // Multigrid builds its coarse spaces from the rigid-body motions.
   OwnedVec places = make_vector();
-  check(VecSetBlockSize(places.get(), 2));
+  check(VecSetBlockSize(places.get(), dim_));
   for (int node = begin_; node < end_; ++node) {
-    const PetscScalar xy[2] = {mesh.point(node).x, mesh.point(node).y};
-    check(VecSetValuesBlocked(places.get(), 1, &node, xy, INSERT_VALUES));
+    check(
+        VecSetValuesBlocked(places.get(), 1, &node, mesh.coordinates(node).data(), INSERT_VALUES));
   }
   check(VecAssemblyBegin(places.get()));
   check(VecAssemblyEnd(places.get()));
   check(MatNullSpaceCreateRigidBody(places.get(), rigid_.put()));
   check(MatSetNearNullSpace(stiffness_.get(), rigid_.get()));
   if (tangent_) {
-    tangent_ = make(stiffness_columns_, 2);
+    tangent_ = make(stiffness_columns_, dim_);
     check(MatSetNearNullSpace(tangent_.get(), rigid_.get()));
   }
   fill(mesh, all);
@@ -125,62 +126,71 @@ void TissueOperator::expect_flips(const Mesh& mesh, std::function<bool(int)> nee
 
 OwnedVec TissueOperator::make_vector() const {
   OwnedVec vec;
-  check(VecCreateMPI(comm_, 2 * (end_ - begin_), n_dofs(), vec.put()));
+  check(VecCreateMPI(comm_, dim_ * (end_ - begin_), n_dofs(), vec.put()));
   return vec;
 }
 
 void TissueOperator::fill(const Mesh& mesh, std::span<const int> owned_nodes) {
+  dim_ == 2 ? fill_matrices<2>(mesh, owned_nodes) : fill_matrices<3>(mesh, owned_nodes);
+}
+
+template <int Dim>
+void TissueOperator::fill_matrices(const Mesh& mesh, std::span<const int> owned_nodes) {
   static const LogEvent event("StyletAssemble");
   const LogScope scope(event);
   NodeRows k;
   Masses masses;
   std::vector<double> a_rows;
   std::vector<PetscInt> columns;
-  PatchCache cache;
+  PatchCache<Dim> cache;
   const bool consistent = parameters_.mass == MassKind::consistent;
   const auto c = tangent_combination_;
   for (const int node : owned_nodes) {
     const auto& coupled = stiffness_columns_[static_cast<std::size_t>(node - begin_)];
     const auto& mass_coupled = mass_columns_[static_cast<std::size_t>(node - begin_)];
-    const std::size_t width = 2 * coupled.size();
+    const std::size_t width = Dim * coupled.size();
     k.columns = coupled;
-    compute(mesh, node, mass_coupled, cache, k, masses);
+    compute<Dim>(mesh, node, mass_coupled, cache, k, masses);
     const std::vector<double>& k_rows = k.values;
     const std::vector<double>& m_rows = masses.consistent;
     const double lumped = masses.lumped;
     columns.resize(width);
     for (std::size_t j = 0; j < coupled.size(); ++j) {
-      columns[2 * j] = 2 * coupled[j];
-      columns[2 * j + 1] = 2 * coupled[j] + 1;
+      for (std::size_t i = 0; i < Dim; ++i) {
+        columns[Dim * j + i] = Dim * coupled[j] + static_cast<int>(i);
+      }
     }
-    const PetscInt rows[2] = {2 * node, 2 * node + 1};
+    PetscInt rows[Dim];
+    for (int i = 0; i < Dim; ++i) rows[i] = Dim * node + i;
     const auto n = static_cast<PetscInt>(width);
-    check(MatSetValues(stiffness_.get(), 2, rows, n, columns.data(), k_rows.data(), INSERT_VALUES));
+    check(
+        MatSetValues(stiffness_.get(), Dim, rows, n, columns.data(), k_rows.data(), INSERT_VALUES));
     if (tangent_) {
       a_rows = k_rows;
       for (double& value : a_rows) value *= c.stiffness;
       const auto add_mass = [&](int column, double mass) {
-        const auto j =
-            static_cast<std::size_t>(std::ranges::lower_bound(coupled, column) - coupled.begin());
-        for (std::size_t i = 0; i < dim; ++i) a_rows[i * width + 2 * j + i] += c.mass * mass;
+        const std::size_t j = position(coupled, column);
+        for (std::size_t i = 0; i < Dim; ++i) a_rows[i * width + Dim * j + i] += c.mass * mass;
       };
       if (consistent) {
         for (std::size_t j = 0; j < m_rows.size(); ++j) add_mass(mass_coupled[j], m_rows[j]);
       } else {
         add_mass(node, lumped);
       }
-      check(MatSetValues(tangent_.get(), 2, rows, n, columns.data(), a_rows.data(), INSERT_VALUES));
+      check(
+          MatSetValues(tangent_.get(), Dim, rows, n, columns.data(), a_rows.data(), INSERT_VALUES));
     }
     if (consistent) {
       std::vector<PetscInt> own(mass_coupled.size());
-      for (PetscInt i = 0; i < 2; ++i) {
-        for (std::size_t j = 0; j < own.size(); ++j) own[j] = 2 * mass_coupled[j] + i;
+      for (PetscInt i = 0; i < Dim; ++i) {
+        for (std::size_t j = 0; j < own.size(); ++j) own[j] = Dim * mass_coupled[j] + i;
         check(MatSetValues(mass_.get(), 1, &rows[i], static_cast<PetscInt>(own.size()), own.data(),
                            m_rows.data(), INSERT_VALUES));
       }
     } else {
-      const double both[2] = {lumped, lumped};
-      check(VecSetValues(lumped_.get(), 2, rows, both, INSERT_VALUES));
+      std::array<double, Dim> alike;
+      alike.fill(lumped);
+      check(VecSetValues(lumped_.get(), Dim, rows, alike.data(), INSERT_VALUES));
     }
   }
   std::vector<Mat> matrices{stiffness_.get()};

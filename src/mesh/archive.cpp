@@ -15,34 +15,31 @@ void Mesh::archive(Archive& archive) {
   // From the numbers of the run to the source's, or back.
   std::vector<double> coordinates(data_.coordinates.size());
   std::vector<int> corners(data_.cells.size());
+  const std::size_t dim = at(this->dim());
   const auto each = [&](auto&& point, auto&& cell) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) point(2 * i, 2 * at(nodes[i]));
-    for (std::size_t i = 0; i < cells.size(); ++i) cell(3 * i, 3 * at(cells[i]));
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      for (std::size_t k = 0; k < dim; ++k) point(dim * i + k, dim * at(nodes[i]) + k);
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      for (std::size_t k = 0; k <= dim; ++k) {
+        cell((dim + 1) * i + k, (dim + 1) * at(cells[i]) + k);
+      }
+    }
   };
   if (!archive.loads()) {
-    each(
-        [&](std::size_t from, std::size_t to) {
-          for (std::size_t k = 0; k < 2; ++k) coordinates[to + k] = data_.coordinates[from + k];
-        },
-        [&](std::size_t from, std::size_t to) {
-          for (std::size_t k = 0; k < 3; ++k) corners[to + k] = nodes[at(data_.cells[from + k])];
-        });
+    each([&](std::size_t from, std::size_t to) { coordinates[to] = data_.coordinates[from]; },
+         [&](std::size_t from, std::size_t to) { corners[to] = nodes[at(data_.cells[from])]; });
   }
-  archive.array("coordinates", coordinates, 2);
-  archive.array("cells", corners, 3);
+  archive.array("coordinates", coordinates, dim);
+  archive.array("cells", corners, dim + 1);
   archive("version", version_);
   archive("connectivity_version", connectivity_version_);
   if (!archive.loads()) return;
   for (const int node : corners) {
     if (node < 0 || node >= n_nodes()) throw InputError("a cell has a node that is none");
   }
-  each(
-      [&](std::size_t from, std::size_t to) {
-        for (std::size_t k = 0; k < 2; ++k) data_.coordinates[to + k] = coordinates[from + k];
-      },
-      [&](std::size_t from, std::size_t to) {
-        for (std::size_t k = 0; k < 3; ++k) data_.cells[to + k] = nodes[at(corners[from + k])];
-      });
+  each([&](std::size_t from, std::size_t to) { data_.coordinates[to] = coordinates[from]; },
+       [&](std::size_t from, std::size_t to) { data_.cells[to] = nodes[at(corners[from])]; });
   for (auto& around : around_) around.clear();
   for (int c = 0; c < n_cells(); ++c) {
     for (const int node : cell(c)) around_[at(node)].push_back(c);

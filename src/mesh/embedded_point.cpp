@@ -16,15 +16,35 @@ constexpr double on_edge = 1e-9;
 // them, on the wrong side of the boundary.
 constexpr double on_boundary = 1e-8;
 
-std::array<double, 3> weights_in(const Mesh& mesh, int c, ReferencePoint x) {
-  const auto nodes = mesh.cell(c);
-  return barycentric(mesh.point(nodes[0]), mesh.point(nodes[1]), mesh.point(nodes[2]), x);
+using Weights = std::array<double, 4>;
+
+Weights weights_in(const Mesh& mesh, int c, ReferencePlace x) {
+  if (mesh.dim() == 3) return barycentric(mesh.tetrahedron(c), x);
+  const auto n = mesh.cell(c);
+  const auto w = barycentric(mesh.point(n[0]), mesh.point(n[1]), mesh.point(n[2]), x.in_plane());
+  return {w[0], w[1], w[2], 0};
 }
 
-/// How far inside a cell, as the least distance from the lines along its edges; negative outside.
-double depth_in(const Mesh& mesh, int c, const std::array<double, 3>& weights) {
+// Of the triangle or the tetrahedron.
+std::size_t lowest_of(const Mesh& mesh, const Weights& weights) {
+  const auto end = weights.begin() + mesh.dim() + 1;
+  return static_cast<std::size_t>(std::min_element(weights.begin(), end) - weights.begin());
+}
+
+/// How far inside a cell, as the least distance from the lines along its edges (3D: planes of its
+/// faces); negative outside.
+double depth_in(const Mesh& mesh, int c, const Weights& weights) {
   const auto n = mesh.cell(c);
   double depth = std::numeric_limits<double>::infinity();
+  if (mesh.dim() == 3) {
+    const auto t = mesh.tetrahedron(c);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const ReferencePlace a = t[(i + 1) % 4];
+      const double base = 0.5 * norm(cross(t[(i + 2) % 4] - a, t[(i + 3) % 4] - a));
+      depth = std::min(depth, weights[i] * 3 * mesh.cell_measure(c) / base);
+    }
+    return depth;
+  }
   for (std::size_t i = 0; i < 3; ++i) {
     const double base = distance(mesh.point(n[(i + 1) % 3]), mesh.point(n[(i + 2) % 3]));
     depth = std::min(depth, weights[i] * 2 * mesh.cell_measure(c) / base);
@@ -35,22 +55,20 @@ double depth_in(const Mesh& mesh, int c, const std::array<double, 3>& weights) {
 double extent_of(const Mesh& mesh) {
   double extent = 0;
   for (int node = 0; node < mesh.n_nodes(); ++node) {
-    extent = std::max(extent, distance(mesh.point(0), mesh.point(node)));
+    extent = std::max(extent, distance(mesh.place(0), mesh.place(node)));
   }
   return extent;
 }
 
 }  // namespace
 
-std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePoint x, int hint) {
+std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePlace x, int hint) {
   int c = hint;
   for (int steps = 0; steps < mesh.n_cells(); ++steps) {
     const auto weights = weights_in(mesh, c, x);
-    const auto lowest =
-        static_cast<std::size_t>(std::ranges::min_element(weights) - weights.begin());
+    const std::size_t lowest = lowest_of(mesh, weights);
     if (weights[lowest] >= -on_edge) return EmbeddedPoint{x, c, weights};
-    const auto nodes = mesh.cell(c);
-    const auto next = mesh.across(c, nodes[(lowest + 1) % 3], nodes[(lowest + 2) % 3]);
+    const auto next = mesh.beyond(c, lowest);
     if (!next) break;
     c = *next;
   }

@@ -131,9 +131,9 @@ void require_plane(const File& file, const std::vector<int>& kept) {
   }
   for (int p : kept) {
     if (std::abs(file.points[p][2] - first[2]) <= tolerance * extent) continue;
-    file.fail(file.point_place[p], "z = " + exact(file.points[p][2]) +
-                                       " in a mesh of triangles that starts at z = " +
-                                       exact(first[2]) + "; allowed: a plane mesh, z constant");
+    file.fail(file.point_place[p],
+              "z = " + exact(file.points[p][2]) + " in a mesh of triangles that starts at z = " +
+                  exact(first[2]) + "; allowed: a plane mesh, z constant, or tetrahedra (gmsh -3)");
   }
 }
 
@@ -145,10 +145,11 @@ void drop_stray_curves(const File& file, const std::vector<int>& number, MeshDat
     const std::size_t f = i / mesh.dim;
     const int curve = mesh.facet_curve[f];
     if (faults.contains(curve)) continue;
-    faults[curve] = shown(file.name, {file.binary, mesh.origin.facet_place[f]}) + ": " +
-                    element_word[mesh.dim - 1] + " " + std::to_string(mesh.origin.facet_number[f]) +
-                    " of '" + mesh.curve_names[curve] +
-                    "' has a node that is on no cell; named curves must run along cells";
+    faults[curve] =
+        shown(file.name, {file.binary, mesh.origin.facet_place[f]}) + ": " +
+        element_word[mesh.dim - 1] + " " + std::to_string(mesh.origin.facet_number[f]) + " of '" +
+        mesh.curve_names[curve] + "' has a node that is on no cell; named " +
+        (mesh.dim == 2 ? "curves must run along cells" : "surfaces must consist of faces of cells");
   }
   mesh.make_stray(faults);
 }
@@ -188,7 +189,9 @@ MeshData read_gmsh(const std::string& name, const std::string& text, double scal
   mesh.dim = file.elements[3].empty() ? 2 : 3;
   if (mesh.dim > most_dim) {
     const Element& e = file.elements[3].front();
-    file.fail(e.place, describe(e, 3) + "; allowed: a plane mesh of triangles");
+    file.fail(e.place, describe(e, 3) +
+                           "; allowed: a plane mesh of triangles, because the scene has "
+                           "tissue.plane (one in space has none)");
   }
   if (file.elements[mesh.dim].empty()) {
     fail_at(file.name, file.end, "no triangles or tetrahedra; mesh the surface with gmsh -2");

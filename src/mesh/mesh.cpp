@@ -22,19 +22,6 @@ std::string list(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-double tetrahedron_volume(const Mesh& mesh, std::span<const int> nodes) {
-  std::array<std::array<double, 3>, 3> e{};
-  const auto x0 = mesh.coordinates(nodes[0]);
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto x = mesh.coordinates(nodes[i + 1]);
-    for (std::size_t k = 0; k < 3; ++k) e[i][k] = x[k] - x0[k];
-  }
-  return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-          e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-         6;
-}
-
 }  // namespace
 
 Mesh::Mesh(MeshData data) : data_(std::move(data)) {
@@ -43,19 +30,17 @@ Mesh::Mesh(MeshData data) : data_(std::move(data)) {
   for (int c = 0; c < n_cells(); ++c) {
     if (!(cell_measure(c) > 0)) {
       throw InputError(data_.source + ": cell " + std::to_string(c + 1) +
-                       " is inverted or has no area");
+                       " is inverted or has no " + (dim() == 2 ? "area" : "volume"));
     }
     for (const int node : cell(c)) around_[static_cast<std::size_t>(node)].push_back(c);
   }
   on_boundary_.assign(n, 0);
-  if (dim() == 2) {
-    for (int c = 0; c < n_cells(); ++c) {
-      const auto nodes = cell(c);
-      for (std::size_t i = 0; i < 3; ++i) {
-        const int a = nodes[i];
-        const int b = nodes[(i + 1) % 3];
-        if (across(c, a, b)) continue;
-        for (const int node : {a, b}) on_boundary_[static_cast<std::size_t>(node)] = 1;
+  for (int c = 0; c < n_cells(); ++c) {
+    const auto nodes = cell(c);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (beyond(c, i)) continue;
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        if (k != i) on_boundary_[static_cast<std::size_t>(nodes[k])] = 1;
       }
     }
   }
@@ -64,10 +49,9 @@ Mesh::Mesh(MeshData data) : data_(std::move(data)) {
 
 void Mesh::lock_curve(const std::string& curve) {
   for (const int f : facets_of(curve)) {
-    const int a = data_.facets[2 * static_cast<std::size_t>(f)];
-    const int b = data_.facets[2 * static_cast<std::size_t>(f) + 1];
-    locked_edges_.push_back(edge_key(a, b));
-    for (const int node : {a, b}) locked_[static_cast<std::size_t>(node)] = 1;
+    const auto nodes = facet(f);
+    if (dim() == 2) locked_edges_.push_back(edge_key(nodes[0], nodes[1]));
+    for (const int node : nodes) locked_[static_cast<std::size_t>(node)] = 1;
   }
   std::ranges::sort(locked_edges_);
 }
@@ -96,6 +80,20 @@ std::optional<int> Mesh::across(int c, int a, int b) const {
   return std::nullopt;
 }
 
+std::optional<int> Mesh::beyond(int c, std::size_t corner) const {
+  const auto nodes = cell(c);
+  if (dim() == 2) return across(c, nodes[(corner + 1) % 3], nodes[(corner + 2) % 3]);
+  const auto around_b = cells_around(nodes[(corner + 2) % 4]);
+  const auto around_d = cells_around(nodes[(corner + 3) % 4]);
+  for (const int other : cells_around(nodes[(corner + 1) % 4])) {
+    if (other != c && std::ranges::binary_search(around_b, other) &&
+        std::ranges::binary_search(around_d, other)) {
+      return other;
+    }
+  }
+  return std::nullopt;
+}
+
 int Mesh::opposite(int c, int a, int b) const {
   for (const int node : cell(c)) {
     if (node != a && node != b) return node;
@@ -114,8 +112,8 @@ std::vector<int> Mesh::facets_of(const std::string& curve) const {
   if (found == data_.curve_names.end()) {
     const auto stray = std::ranges::find(data_.stray_curves, curve, &StrayCurve::name);
     if (stray != data_.stray_curves.end()) throw InputError(stray->fault);
-    throw InputError(data_.source + ": no curve named '" + curve +
-                     "'; the mesh has: " + list(data_.curve_names));
+    throw InputError(data_.source + ": no " + (dim() == 2 ? "curve" : "surface") + " named '" +
+                     curve + "'; the mesh has: " + list(data_.curve_names));
   }
   const int index = static_cast<int>(found - data_.curve_names.begin());
   std::vector<int> facets;
@@ -127,10 +125,9 @@ std::vector<int> Mesh::facets_of(const std::string& curve) const {
 
 std::vector<int> Mesh::nodes_of(const std::string& curve) const {
   std::vector<int> nodes;
-  const auto width = static_cast<std::size_t>(dim());
   for (const int f : facets_of(curve)) {
-    const auto first = data_.facets.begin() + static_cast<std::ptrdiff_t>(f * width);
-    nodes.insert(nodes.end(), first, first + static_cast<std::ptrdiff_t>(width));
+    const auto of_facet = facet(f);
+    nodes.insert(nodes.end(), of_facet.begin(), of_facet.end());
   }
   sort_unique(nodes);
   return nodes;
@@ -146,12 +143,20 @@ int Mesh::region_index(const std::string& name) const {
 }
 
 double Mesh::cell_measure(int c) const {
+  if (dim() == 3) return signed_volume(tetrahedron(c));
   const auto nodes = cell(c);
-  if (dim() == 3) return tetrahedron_volume(*this, nodes);
   return signed_area(point(nodes[0]), point(nodes[1]), point(nodes[2]));
 }
 
+double Mesh::facet_measure(int f) const {
+  const auto nodes = facet(f);
+  if (dim() == 2) return distance(point(nodes[0]), point(nodes[1]));
+  const ReferencePlace a = place(nodes[0]);
+  return 0.5 * norm(cross(place(nodes[1]) - a, place(nodes[2]) - a));
+}
+
 double Mesh::cell_quality(int c) const {
+  if (dim() == 3) return quality(tetrahedron(c));
   const auto nodes = cell(c);
   return quality(point(nodes[0]), point(nodes[1]), point(nodes[2]));
 }
@@ -173,14 +178,16 @@ std::vector<int> Mesh::put_back(const MeshData& source) {
   std::vector<int> changed;
   const auto differs = [](auto a, auto b) { return !std::ranges::equal(a, b); };
   for (int node = 0; node < n_nodes(); ++node) {
-    const std::span<const double> before(source.coordinates.data() + std::size_t(2) * node, 2);
+    const auto dim = static_cast<std::size_t>(data_.dim);
+    const std::span before(source.coordinates.data() + dim * static_cast<std::size_t>(node), dim);
     if (!differs(coordinates(node), before)) continue;
     const auto around = cells_around(node);
     changed.insert(changed.end(), around.begin(), around.end());
   }
   std::vector<int> rewired;
   for (int c = 0; c < n_cells(); ++c) {
-    const std::span<const int> before(source.cells.data() + std::size_t(3) * c, 3);
+    const auto width = static_cast<std::size_t>(data_.dim) + 1;
+    const std::span before(source.cells.data() + width * static_cast<std::size_t>(c), width);
     if (differs(cell(c), before)) rewired.push_back(c);
   }
   changed.insert(changed.end(), rewired.begin(), rewired.end());

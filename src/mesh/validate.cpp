@@ -231,9 +231,12 @@ void Validator::check_facets(const std::vector<Side>& sides) {
         side_of(mesh_.facets.data() + static_cast<std::ptrdiff_t>(mesh_.dim) * f, -1).key;
     const auto found = std::ranges::lower_bound(sides, key, {}, &Side::key);
     if (found == sides.end() || found->key != key) {
-      strays.try_emplace(mesh_.facet_curve[f],
-                         at(mesh_.origin.facet_place, f) + describe_facet(f) +
-                             " is no edge of a cell; named curves must run along cells");
+      strays.try_emplace(
+          mesh_.facet_curve[f],
+          at(mesh_.origin.facet_place, f) + describe_facet(f) +
+              (mesh_.dim == 2 ? " is no edge of a cell; named curves must run along cells"
+                              : " is no face of a cell; named surfaces must consist of "
+                                "faces of cells"));
     }
     facets.push_back({key, mesh_.facet_curve[f], f});
   }
@@ -258,8 +261,10 @@ void Validator::check_sides() {
       check_shared(sides[i], sides[i + 2]);
       check_shared(sides[i + 1], sides[i + 2]);
       fail_at_cell(sides[i + 2].cell,
-                   " shares an edge with two others, " + describe(sides[i].cell) + " and " +
-                       describe(sides[i + 1].cell) + "; allowed: two cells an edge");
+                   std::string(mesh_.dim == 2 ? " shares an edge" : " shares a face") +
+                       " with two others, " + describe(sides[i].cell) + " and " +
+                       describe(sides[i + 1].cell) + "; allowed: two cells " +
+                       (mesh_.dim == 2 ? "an edge" : "a face"));
     }
   }
   check_facets(sides);
@@ -273,7 +278,7 @@ void validate(MeshData& mesh) {
   validator.check_nodes();
   validator.orient();
   validator.check_sides();
-  if (mesh.dim == 2) check_overlaps(mesh);
+  mesh.dim == 2 ? check_overlaps(mesh) : check_overlaps_in_space(mesh);
   mesh.origin = {};
 }
 

@@ -7,10 +7,10 @@ namespace stylet {
 namespace {
 
 int n_nodes(const Snapshot& snapshot) {
-  return static_cast<int>(snapshot.coordinates.size() / 2);
+  return static_cast<int>(snapshot.coordinates.size()) / snapshot.dim;
 }
 int n_cells(const Snapshot& snapshot) {
-  return static_cast<int>(snapshot.connectivity.size() / 3);
+  return static_cast<int>(snapshot.connectivity.size()) / (snapshot.dim + 1);
 }
 
 void check_size(const std::string& name, std::size_t size, Range rows, int components) {

@@ -221,8 +221,8 @@ SnapshotPlace SnapshotWriter::File::settle() {
 void SnapshotWriter::File::write(const Snapshot& snapshot) {
   if (!is_open_) throw IoError(h5_path_ + ": is closed");
   agree_after(comm_, [&] { check_sizes(snapshot, rank_, size_of(comm_)); });
-  n_nodes_ = static_cast<int>(snapshot.coordinates.size() / 2);
-  n_cells_ = static_cast<int>(snapshot.connectivity.size() / 3);
+  n_nodes_ = static_cast<int>(snapshot.coordinates.size()) / snapshot.dim;
+  n_cells_ = static_cast<int>(snapshot.connectivity.size()) / (snapshot.dim + 1);
   Snapshot whole = snapshot;
   for (Field& f : whole.fields) {
     f.values = all_rows(comm_, f.values, rows_of(f.on_cells), f.components);
@@ -269,8 +269,9 @@ void SnapshotWriter::File::write_step(const Snapshot& snapshot) {
   if (mesh_version_ != snapshot.mesh_version) write_mesh(snapshot);
   const std::string mesh_name = numbered("mesh", n_meshes_ - 1);
   tissue_.name = "tissue";
-  tissue_.points = {"/" + mesh_name + "/coordinates", n_nodes_, 2, false};
-  tissue_.connectivity = {"/" + mesh_name + "/connectivity", n_cells_, 3, true};
+  tissue_.shape = snapshot.dim == 2 ? XdmfGrid::Shape::triangles : XdmfGrid::Shape::tetrahedra;
+  tissue_.points = {"/" + mesh_name + "/coordinates", n_nodes_, snapshot.dim, false};
+  tissue_.connectivity = {"/" + mesh_name + "/connectivity", n_cells_, snapshot.dim + 1, true};
   const hid_t step = h5_->create_group(step_name_);
   set_attribute(step, "time", snapshot.time);
   set_attribute(step, "phase", snapshot.phase);
@@ -285,11 +286,11 @@ void SnapshotWriter::File::write_mesh(const Snapshot& snapshot) {
   const std::string name = numbered("mesh", n_meshes_++);
   const hid_t mesh = h5_->create_group(name);
   set_attribute(mesh, "mesh_version", static_cast<unsigned long long>(snapshot.mesh_version));
-  (void)write_array(mesh, "coordinates", "m", 2, snapshot.coordinates);
+  (void)write_array(mesh, "coordinates", "m", snapshot.dim, snapshot.coordinates);
   if (connectivity_version_ == snapshot.connectivity_version) {
     link_array(connectivity_->get(), mesh, "connectivity");
   } else {
-    connectivity_ = write_array(mesh, "connectivity", "", 3, snapshot.connectivity);
+    connectivity_ = write_array(mesh, "connectivity", "", snapshot.dim + 1, snapshot.connectivity);
   }
 }
 

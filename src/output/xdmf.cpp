@@ -71,9 +71,11 @@ std::string XdmfSeries::grid_text(const XdmfGrid& grid, const std::string& time)
   const int n_points = static_cast<int>(grid.points.n_rows);
   switch (grid.shape) {
     case XdmfGrid::Shape::triangles:
-      text += "<Topology TopologyType=\"Triangle\" NumberOfElements=\"" +
-              std::to_string(grid.connectivity.n_rows) + "\">" + data_item(grid.connectivity) +
-              "</Topology>\n";
+    case XdmfGrid::Shape::tetrahedra:
+      text += std::string("<Topology TopologyType=\"") +
+              (grid.shape == XdmfGrid::Shape::triangles ? "Triangle" : "Tetrahedron") +
+              "\" NumberOfElements=\"" + std::to_string(grid.connectivity.n_rows) + "\">" +
+              data_item(grid.connectivity) + "</Topology>\n";
       break;
     case XdmfGrid::Shape::polyline:
       text += topology("Polyline", 1, n_points, false);
@@ -85,7 +87,8 @@ std::string XdmfSeries::grid_text(const XdmfGrid& grid, const std::string& time)
       text += topology("Polyvertex", n_points, 1, false);
       break;
   }
-  text += "<Geometry GeometryType=\"XY\">" + data_item(grid.points) + "</Geometry>\n";
+  text += std::string("<Geometry GeometryType=\"") + (grid.points.n_columns == 3 ? "XYZ" : "XY") +
+          "\">" + data_item(grid.points) + "</Geometry>\n";
   for (const XdmfAttribute& attribute : grid.attributes) {
     text += "<Attribute Name=\"" + escaped(attribute.name) + "\" AttributeType=\"" +
             (attribute.values.n_columns == 3 ? "Vector" : "Scalar") + "\" Center=\"" +

@@ -63,13 +63,16 @@ void require_named(const Node& node, const Key& key) {
   }
 }
 
-void require_block(const Node& node, const Key& key, const Exclusive& exclusive) {
+void require_block(const Node& node, const Key& key) {
   if (node.kind != Node::Kind::map) refuse(node, "a block of " + join(names_of(key)));
   for (const Node& child : node.children) require_known(child, key);
   for (const Key& wanted : key.keys) {
     if (!wanted.required || node.find(wanted.name)) continue;
     refuse_missing(node, below(node.path, wanted.name), offer(wanted));
   }
+}
+
+void require_exclusive(const Node& node, const Exclusive& exclusive) {
   const auto n_given = std::ranges::count_if(
       exclusive.names, [&node](const std::string& name) { return node.find(name) != nullptr; });
   if (n_given > 1 || (n_given == 0 && exclusive.needed && !exclusive.names.empty())) {

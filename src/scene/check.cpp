@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
 #include "stylet/scene/quantities.hpp"
+#include "stylet/scene/requirement.hpp"
 #include "stylet/scene/schema.hpp"
 #include "stylet/scene/schema_needle.hpp"
 #include "stylet/scene/writer.hpp"
@@ -14,10 +15,6 @@
 namespace stylet {
 
 namespace {
-
-std::string item(const std::string& list, std::size_t i) {
-  return list + "." + std::to_string(i);
-}
 
 template <class T>
 std::vector<std::string> names_of(const std::vector<T>& items, std::string T::*name) {
@@ -40,6 +37,7 @@ class Rules {
   Rules(const Scene& scene, const Node& document) : scene_(scene), document_(document) {}
 
   void check() const {
+    check_dimension(scene_, document_);
     check_mesh();
     check_tissue();
     check_loads();
@@ -63,10 +61,7 @@ class Rules {
 
  private:
   void require(bool kept, const std::string& path, const std::string& allowed) const {
-    if (kept) return;
-    const Node& node = closest(document_, path);
-    if (node.path == path) refuse(node, allowed);
-    refuse_missing(node, path, allowed);
+    stylet::require(document_, kept, path, allowed);
   }
 
   void require_corners(const std::vector<ReferencePoint>& points,
@@ -76,6 +71,11 @@ class Rules {
   }
 
   void check_mesh() const {
+    if (const auto* box = std::get_if<BoxMesh>(&scene_.mesh.source)) {
+      require(scene_.mesh.scale == 1, "mesh.scale", "only with mesh.file");
+      require_unique(names_of(box->inner_regions, &SolidRegion::name), "mesh.box.inner_regions",
+                     true);
+    }
     const auto* rectangle = std::get_if<RectangleMesh>(&scene_.mesh.source);
     if (!rectangle) return;
     require(scene_.mesh.scale == 1, "mesh.scale", "only with mesh.file");
@@ -115,24 +115,29 @@ class Rules {
       const auto& curve = scene_.prescribed[i].curve;
       const auto support = std::ranges::find(scene_.supports, curve, &Support::curve);
       require(support == scene_.supports.end() || support->kind != SupportKind::fixed,
-              item("prescribed", i) + ".curve",
-              "a curve that is not held; supports." + curve + " is fixed");
+              item("prescribed", i) + "." + boundary(),
+              "a " + boundary() + " that is not held; supports." + curve + " is fixed");
       const auto& displacement = scene_.prescribed[i].displacement;
-      require(displacement[0] || displacement[1], item("prescribed", i) + ".displacement",
+      const auto given = [](const std::optional<double>& component) {
+        return component.has_value();
+      };
+      require(std::ranges::any_of(displacement, given), item("prescribed", i) + ".displacement",
               "at least one component that is not null");
-      require(scene_.needle_angle == std::numbers::pi || (displacement[0] && displacement[1]),
+      require(scene_.needle_angle == std::numbers::pi || std::ranges::all_of(displacement, given),
               item("prescribed", i) + ".displacement",
               "both components, because needle_angle turns them");
     }
   }
+
+  [[nodiscard]] std::string boundary() const { return scene_.dim() == 2 ? "curve" : "surface"; }
 
   // Whether a second one adds to the first or takes its place, the scene would not say.
   template <class T>
   void require_one_a_curve(const std::vector<T>& items, const std::string& list) const {
     for (std::size_t i = 0; i < items.size(); ++i) {
       const auto first = std::ranges::find(items, items[i].curve, &T::curve) - items.begin();
-      require(static_cast<std::size_t>(first) == i, item(list, i) + ".curve",
-              "one entry a curve, and " + item(list, static_cast<std::size_t>(first)) +
+      require(static_cast<std::size_t>(first) == i, item(list, i) + "." + boundary(),
+              "one entry a " + boundary() + ", and " + item(list, static_cast<std::size_t>(first)) +
                   " is of this one");
       require(scene_.time.duration == 0 || items[i].start <= scene_.time.duration,
               item(list, i) + ".start",
@@ -302,17 +307,27 @@ class Rules {
 
 }  // namespace
 
+void require(const Node& document, bool kept, const std::string& path, const std::string& allowed) {
+  if (kept) return;
+  const Node& node = closest(document, path);
+  if (node.path == path) refuse(node, allowed);
+  refuse_missing(node, path, allowed);
+}
+
+std::string item(const std::string& list, std::size_t i) {
+  return list + "." + std::to_string(i);
+}
+
 void check_rules(const Scene& scene, const Node& document) {
   Rules(scene, document).check();
 }
 
 std::string why_not_at_rest(const Scene& scene) {
-  const auto acts = [](const auto& load) { return load.force != Vector2{}; };
+  const auto acts = [](const auto& load) { return norm(load.force.vector()) != 0; };
   if (std::ranges::any_of(scene.body_forces, acts)) return "loads.body lasts";
   if (std::ranges::any_of(scene.tractions, acts)) return "loads.traction lasts";
   for (const PrescribedCurve& prescribed : scene.prescribed) {
-    if (prescribed.displacement[0].value_or(0) != 0 || prescribed.displacement[1].value_or(0) != 0)
-      return "the displacement of '" + prescribed.curve + "' lasts";
+    if (moves(prescribed)) return "the displacement of '" + prescribed.curve + "' lasts";
   }
   if (scene.needles.empty()) return {};
   const NeedleParameters& last = scene.needles.back();

@@ -150,22 +150,78 @@ Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& r
   return {key, read, write};
 }
 
-Codec<std::array<std::optional<double>, 2>> components(const std::string& si_unit) {
-  using Components = std::array<std::optional<double>, 2>;
-  const Codec<double> item = number(si_unit, anything);
-  const Key key{.type = "pair", .unit = si_unit, .allowed = "null leaves a component free"};
+Codec<std::array<double, 3>> triple(const std::string& si_unit, const Range& range) {
+  const Codec<double> item = number(si_unit, range);
+  Key key = item.key;
+  key.type = "triple";
+  const auto read = [=](const Node& node, std::array<double, 3>& value) {
+    if (node.kind != Node::Kind::list || node.children.size() != 3) {
+      refuse(node, "[x, y, z], each " + offer(item.key), comma_hint(node));
+    }
+    for (std::size_t i = 0; i < 3; ++i) item.read(node.children[i], value[i]);
+  };
+  const auto write = [=](const std::array<double, 3>& value) {
+    Node node = Node::list();
+    for (const double component : value) node.add(item.write(component));
+    return node;
+  };
+  return {key, read, write};
+}
+
+Codec<Components> vector(const std::string& si_unit, Extent extent) {
+  const auto two = pair(si_unit, anything);
+  const auto three = triple(si_unit, anything);
+  Key key = extent == Extent::space ? three.key : two.key;
+  if (extent == Extent::plane_or_space) key.type = "pair or triple";
   const auto read = [=](const Node& node, Components& value) {
-    if (node.kind != Node::Kind::list || node.children.size() != 2) {
+    const bool has_z = node.kind == Node::Kind::list && node.children.size() == 3;
+    if (extent == Extent::space || (has_z && extent == Extent::plane_or_space)) {
+      std::array<double, 3> xyz{};
+      three.read(node, xyz);
+      value = {xyz[0], xyz[1], xyz[2]};
+    } else {
+      std::pair<double, double> xy;
+      two.read(node, xy);
+      value = {xy.first, xy.second};
+    }
+  };
+  const auto write = [=](const Components& value) {
+    return value.z ? three.write({value.x, value.y, *value.z}) : two.write({value.x, value.y});
+  };
+  return {key, read, write};
+}
+
+Codec<ReferencePlace> place(const std::string& si_unit) {
+  const auto three = triple(si_unit, anything);
+  return {three.key,
+          [read = three.read](const Node& node, ReferencePlace& value) {
+            std::array<double, 3> xyz{};
+            read(node, xyz);
+            value = {xyz[0], xyz[1], xyz[2]};
+          },
+          [write = three.write](const ReferencePlace& value) {
+            return write({value.x, value.y, value.z});
+          }};
+}
+
+Codec<std::vector<std::optional<double>>> components(const std::string& si_unit) {
+  using Values = std::vector<std::optional<double>>;
+  const Codec<double> item = number(si_unit, anything);
+  const Key key{
+      .type = "pair or triple", .unit = si_unit, .allowed = "null leaves a component free"};
+  const auto read = [=](const Node& node, Values& value) {
+    const std::size_t n = node.children.size();
+    if (node.kind != Node::Kind::list || (n != 2 && n != 3)) {
       refuse(node, "[x, y], each null or " + offer(item.key), comma_hint(node));
     }
-    for (std::size_t i = 0; i < 2; ++i) {
-      value[i].reset();
+    value.assign(n, std::nullopt);
+    for (std::size_t i = 0; i < n; ++i) {
       if (node.children[i].kind != Node::Kind::null) {
         item.read(node.children[i], value[i].emplace());
       }
     }
   };
-  const auto write = [=](const Components& value) {
+  const auto write = [=](const Values& value) {
     Node node = Node::list();
     for (const auto& component : value) node.add(component ? item.write(*component) : Node());
     return node;

@@ -18,10 +18,10 @@ bool is_given(const Node& document, const std::string& path) {
 void resolve(Scene& scene, const Node& document) {
   const bool is_explicit = scene.time.method == TimeMethod::explicit_newmark;
   if (is_explicit && !is_given(document, "tissue.mass")) scene.tissue.mass = MassKind::lumped;
-  if (scene.tissue.plane == Plane::strain && !is_given(document, "tissue.formulation")) {
-    const bool averaged = std::ranges::any_of(scene.tissue.regions, [](const RegionTissue& region) {
-      return locks_in_plane_strain(region.material);
-    });
+  if (!is_given(document, "tissue.plane")) scene.tissue.plane.reset();
+  if (scene.tissue.plane != Plane::stress && !is_given(document, "tissue.formulation")) {
+    const bool averaged = std::ranges::any_of(
+        scene.tissue.regions, [](const RegionTissue& region) { return locks(region.material); });
     if (averaged) scene.tissue.formulation = Formulation::p1_averaged;
   }
   for (std::size_t i = 0; i < scene.needles.size(); ++i) {

@@ -21,10 +21,12 @@ const std::vector<SummaryQuantity>& of_all() {
                                                           {"largest_strain.time", "s"},
                                                           {"largest_strain.place.0", "m"},
                                                           {"largest_strain.place.1", "m"},
+                                                          {"largest_strain.place.2", "m"},
                                                           {"widespread_strain.value", ""},
                                                           {"widespread_strain.time", "s"},
                                                           {"widespread_strain.place.0", "m"},
                                                           {"widespread_strain.place.1", "m"},
+                                                          {"widespread_strain.place.2", "m"},
                                                           {"energy.kinetic", "J"},
                                                           {"energy.strain", "J"},
                                                           {"energy.dissipated", "J"},
@@ -33,6 +35,7 @@ const std::vector<SummaryQuantity>& of_all() {
                                                           {"energy.balance_error", "J"},
                                                           {"n_nodes", ""},
                                                           {"n_triangles", ""},
+                                                          {"n_tetrahedra", ""},
                                                           {"n_ranks", ""}};
   return quantities;
 }
@@ -81,6 +84,11 @@ std::string of_seed(const std::string& path) {
 
 std::vector<SummaryQuantity> summary_quantities(const Scene& scene) {
   std::vector<SummaryQuantity> quantities = of_all();
+  const bool in_space = scene.dim() == 3;
+  std::erase_if(quantities, [&](const SummaryQuantity& quantity) {
+    return in_space ? quantity.path == "n_triangles"
+                    : quantity.path == "n_tetrahedra" || quantity.path.ends_with(".2");
+  });
   if (scene.time.method == TimeMethod::explicit_newmark) quantities.push_back(stable_step);
   const auto add = [&](const std::string& owner, const std::vector<SummaryQuantity>& own) {
     for (const auto& quantity : own) {
@@ -107,9 +115,11 @@ std::vector<SummaryQuantity> summary_quantities(const Scene& scene) {
   }
   for (const Probe& probe : scene.probes) {
     add(below("probes", probe.name) + ".", {{"0", "m"}, {"1", "m"}});
+    if (in_space) add(below("probes", probe.name) + ".", {{"2", "m"}});
   }
   for (const PrescribedCurve& prescribed : scene.prescribed) {
     add(below("reactions", prescribed.curve) + ".", {{"0", "N"}, {"1", "N"}});
+    if (in_space) add(below("reactions", prescribed.curve) + ".", {{"2", "N"}});
   }
   return quantities;
 }

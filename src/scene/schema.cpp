@@ -4,6 +4,8 @@
 #include "stylet/scene/quantities.hpp"
 #include "stylet/scene/schema_needle.hpp"
 
+#include <functional>
+
 namespace stylet {
 
 namespace {
@@ -52,16 +54,46 @@ Codec<RectangleMesh> rectangle() {
              "Named lines besides left, right, bottom and top.")});
 }
 
+Codec<BoxMesh> box() {
+  using B = BoxMesh;
+  const auto ellipsoid =
+      block<Ellipsoid>({field("centre", &Ellipsoid::centre, place("m"), "Centre.").required(),
+                        field("size", &Ellipsoid::width, &Ellipsoid::height, &Ellipsoid::depth,
+                              triple("m", positive), "Full extents.")
+                            .required()});
+  const auto inner_region = block<SolidRegion>(
+      {field("name", &SolidRegion::name, text("a name"), "Name of the region.").required(),
+       field("ellipsoid", &SolidRegion::ellipsoid, ellipsoid,
+             "The tetrahedra whose centre is in it; the outline is stepped.")
+           .required()});
+  const Range below_overlap{.min = 0, .max = 0.3, .max_open = true};
+  return block<B>({field("origin", &B::origin, place("m"), "Left, bottom, back corner."),
+                   field("size", &B::width, &B::height, &B::depth, triple("m", positive),
+                         "Width, height and depth.")
+                       .required(),
+                   field("columns", &B::columns, integer(1), "Bricks across the width.").required(),
+                   field("rows", &B::rows, integer(1), "Bricks across the height.").required(),
+                   field("layers", &B::layers, integer(1), "Bricks across the depth.").required(),
+                   field("jitter", &B::jitter, plain(below_overlap),
+                         "Random shift of inner nodes as a fraction of the spacing."),
+                   field("seed", &B::seed, integer(0), "Seed of the random shift."),
+                   field("region", &B::region, text("a name"), "Region outside the inner regions."),
+                   field("inner_regions", &B::inner_regions, list(inner_region),
+                         "Regions in it; a later one counts where they overlap.")});
+}
+
 Codec<MeshParameters> mesh() {
   using M = MeshParameters;
   return block<M>(
       {alternative("file", &M::source, text("a file name"),
                    "Gmsh file, relative to the folder of the scene."),
-       alternative("rectangle", &M::source, rectangle(), "A structured mesh."),
+       alternative("rectangle", &M::source, rectangle(), "A structured mesh of triangles."),
+       alternative("box", &M::source, box(), "A structured mesh of tetrahedra, six a brick."),
        field("scale", &M::scale, plain(positive),
              "Multiplies the coordinates of a file: 0.001 for millimetres."),
-       field("refine", &M::refine, integer(0), "Times that every triangle is split in four.")},
-      {{"file", "rectangle"}});
+       field("refine", &M::refine, integer(0),
+             "Times that every triangle is split in four, or tetrahedron in eight.")},
+      {{"file", "rectangle", "box"}});
 }
 
 // Tissue and what acts on it
@@ -93,11 +125,14 @@ Codec<TissueParameters> tissue() {
                               field("stiffness_factor", &RayleighDamping::stiffness_factor,
                                     number("s", not_negative), "Times the stiffness matrix.")});
   return block<T>(
-      {field("plane", &T::plane, choice(planes), "Plane stress or plane strain.").required(),
-       field("thickness", &T::thickness, number("m", positive), "Extent out of plane."),
+      {field("plane", &T::plane, choice(planes), "Plane stress or plane strain of triangles.")
+           .otherwise("required for triangles, not allowed for tetrahedra"),
+       field("thickness", &T::thickness, number("m", positive), "Extent out of plane.")
+           .written_if([](const T& given) { return given.plane.has_value(); }),
        field("formulation", &T::formulation, choice(formulations),
-             "Kind of triangle; p1_averaged does not lock.")
-           .otherwise("p1_averaged in plane strain with a poisson_ratio above 0.45, else p1"),
+             "Kind of triangle or tetrahedron; p1_averaged does not lock.")
+           .otherwise("p1_averaged in plane strain or of tetrahedra with a poisson_ratio above "
+                      "0.45, else p1"),
        field("mass", &T::mass, choice(masses), "Mass matrix.")
            .otherwise("lumped if time.method is explicit, else consistent"),
        field("regions", &T::regions,
@@ -109,27 +144,45 @@ Codec<TissueParameters> tissue() {
 
 std::vector<Field<Scene>> loads() {
   const auto body = block<BodyForce>(
-      {field("force", &BodyForce::force, point<Vector2>("N/m^3"), "Force per volume.").required(),
+      {field("force", &BodyForce::force, vector("N/m^3"), "Force per volume.").required(),
        field("start", &BodyForce::start, number("s", not_negative), "Acts from then on.")});
-  const auto traction = block<Traction>(
-      {field("curve", &Traction::curve, text("a curve"), "Where it acts.").required(),
-       field("force", &Traction::force, point<Vector2>("N/m"), "Force per metre of curve.")
-           .required(),
-       field("start", &Traction::start, number("s", not_negative), "Acts from then on.")});
-  return {
-      field("body", &Scene::body_forces, list(body), "Forces on the volume, which add up."),
-      field("traction", &Scene::tractions, list(traction), "Forces on named curves, one a curve.")};
+  const auto in_space = [](const Traction& given) { return given.force.z.has_value(); };
+  const auto traction = block_with_rules<Traction>(
+      {field("curve", &Traction::curve, text("a curve"), "Where it acts.")
+           .otherwise("required but for a surface")
+           .written_if(std::not_fn(in_space)),
+       field("surface", &Traction::curve, text("a surface"), "Where it acts, on tetrahedra.")
+           .otherwise("none")
+           .written_if(in_space),
+       field("force", &Traction::force, vector("N/m", Extent::plane), "Force per metre of curve.")
+           .otherwise("required but for a surface")
+           .written_if(std::not_fn(in_space)),
+       field("stress", &Traction::force, vector("Pa", Extent::space), "Force per area of surface.")
+           .otherwise("none")
+           .written_if(in_space),
+       field("start", &Traction::start, number("s", not_negative), "Acts from then on.")},
+      {{{"curve", "surface"}}, {{"force", "stress"}}});
+  return {field("body", &Scene::body_forces, list(body), "Forces on the volume, which add up."),
+          field("traction", &Scene::tractions, list(traction),
+                "Forces on named curves or surfaces, one each.")};
 }
 
 Codec<PrescribedCurve> prescribed() {
   using P = PrescribedCurve;
-  return block<P>({field("curve", &P::curve, text("a curve"), "What is moved.").required(),
+  const auto in_space = [](const P& given) { return given.displacement.size() == 3; };
+  return block<P>({field("curve", &P::curve, text("a curve"), "What is moved.")
+                       .otherwise("required but for a surface")
+                       .written_if(std::not_fn(in_space)),
+                   field("surface", &P::curve, text("a surface"), "What is moved, of tetrahedra.")
+                       .otherwise("none")
+                       .written_if(in_space),
                    field("displacement", &P::displacement, components("m"),
-                         "[x, y]; a component that is null stays free.")
+                         "[x, y] or [x, y, z]; a component that is null stays free.")
                        .required(),
                    field("start", &P::start, number("s", not_negative), "When it begins."),
                    field("ramp", &P::ramp, number("s", not_negative),
-                         "Time to grow linearly to the full displacement; 0: at once.")});
+                         "Time to grow linearly to the full displacement; 0: at once.")},
+                  {{"curve", "surface"}});
 }
 
 // Time and output
@@ -242,12 +295,13 @@ Codec<Scene> scene() {
   using S = Scene;
   const auto in_tissue = point<ReferencePoint>("m");
   return block<S>(
-      {field("mesh", &S::mesh, mesh(), "Where the triangles come from.").required(),
+      {field("mesh", &S::mesh, mesh(), "Where triangles or tetrahedra come from.").required(),
        field("tissue", &S::tissue, tissue(), "What the tissue is made of.").required(),
-       field(
-           "supports", &S::supports,
-           named("CURVE", &Support::curve, wrap(&Support::kind, support())),
-           "How named boundaries are held; the others are free. Needles need tissue that is held."),
+       field("supports", &S::supports,
+             named("CURVE", &Support::curve, wrap(&Support::kind, support())),
+             "How named curves or surfaces are held; the others are free. Needles need tissue that "
+             "is "
+             "held."),
        group("loads", loads(), "Forces on the tissue."),
        field("prescribed", &S::prescribed, list(prescribed()),
              "Named curves that are moved; in a point of a support, the support holds."),
@@ -260,7 +314,7 @@ Codec<Scene> scene() {
        field("targets", &S::targets,
              named("TARGET", &Target::name, wrap(&Target::point, in_tissue)),
              "Where seeds should be."),
-       field("probes", &S::probes, named("PROBE", &Probe::name, wrap(&Probe::point, in_tissue)),
+       field("probes", &S::probes, named("PROBE", &Probe::name, wrap(&Probe::point, vector("m"))),
              "Points whose displacement is recorded."),
        field("time", &S::time, time(), "How time is stepped."),
        field("output", &S::output, output(), "What is written."),

@@ -219,6 +219,7 @@ void RecorderPlace::archive(Archive& archive) {
 
 Archive::Columns Simulation::store() {
   SourceOrder order;
+  order.dim = mesh().dim();
   order.nodes.resize(numbered().new_of_old_node.size());
   for (std::size_t i = 0; i < order.nodes.size(); ++i) {
     order.nodes[static_cast<std::size_t>(numbered().new_of_old_node[i])] = static_cast<int>(i);
@@ -231,6 +232,7 @@ Archive::Columns Simulation::store() {
 
 void Simulation::restore(Archive::Columns columns) {
   SourceOrder order;
+  order.dim = mesh().dim();
   order.nodes = numbered().new_of_old_node;
   order.cells.resize(numbered().old_cell_of_new.size());
   for (std::size_t i = 0; i < order.cells.size(); ++i) {

@@ -7,6 +7,7 @@
 #include "stylet/dynamics/quasi_static.hpp"
 #include "stylet/petsc/archive.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/track_binding.hpp"
 
@@ -26,7 +27,11 @@ static constexpr const char* no_number =
 
 namespace {
 
-NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene) {
+NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene, bool live) {
+  if (live && scene.dim() == 3) {
+    refuse_key(scene, "tissue.plane",
+               "missing; allowed: stress, strain, because needles are in the plane so far");
+  }
   NumberedMesh numbered = make_mesh(comm, scene);
   check_against_mesh(scene, numbered.mesh);
   return numbered;
@@ -52,16 +57,17 @@ OwnedVec zeros(const TissueOperator& tissue) {
 
 Body::Body(MPI_Comm comm, const Scene& scene, bool live)
     : scene_(scene),
-      numbered_(checked_mesh(comm, scene)),
+      numbered_(checked_mesh(comm, scene, live)),
       conditions_(scene, mesh()),
-      tissue_(make_tissue(
-          comm,
-          scene,
-          numbered_,
-          live,
-          scene.time.method == TimeMethod::explicit_newmark ? Stiffness::rows : Stiffness::matrix)),
+      tissue_(make_tissue(comm,
+                          scene,
+                          numbered_,
+                          live,
+                          scene.dim() == 2 && scene.time.method == TimeMethod::explicit_newmark
+                              ? Stiffness::rows
+                              : Stiffness::matrix)),
       integrator_(make_integrator(*tissue_, mesh(), scene.time)),
-      ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.thickness),
+      ledger_(*tissue_, mesh(), integrator_->energy_rules(), scene.tissue.depth()),
       held_(conditions_.prescribed(0)) {
   if (scene.time.method == TimeMethod::quasi_static || !scene.needles.empty() || live) {
     check_held(scene, mesh(), held_);
@@ -167,7 +173,7 @@ Riders Body::embed(std::span<const EmbeddedPoint> points) {
   return riders;
 }
 
-std::vector<WorldPoint> Body::world(std::span<const EmbeddedPoint> points) const {
+std::vector<WorldPlace> Body::world(std::span<const EmbeddedPoint> points) const {
   if (points.empty()) return {};
   integrator_->complete();
   std::vector<int> nodes;
@@ -175,12 +181,15 @@ std::vector<WorldPoint> Body::world(std::span<const EmbeddedPoint> points) const
     for (const int node : mesh().cell(point.cell)) nodes.push_back(node);
   }
   const Vec vectors[1] = {state_.u.get()};
-  const auto u = gather(vectors, dofs_of(nodes))[0];
-  std::vector<WorldPoint> world;
+  const auto u = gather(vectors, dofs_of(nodes, mesh().dim()))[0];
+  const auto dim = static_cast<std::size_t>(mesh().dim());
+  std::vector<WorldPlace> world;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Vector2 moved;
-    for (std::size_t k = 0; k < 3; ++k) {
-      moved = moved + points[i].weights[k] * Vector2{u[6 * i + 2 * k], u[6 * i + 2 * k + 1]};
+    Vector3 moved;
+    for (std::size_t k = 0; k <= dim; ++k) {
+      const double* of_node = &u[dim * ((dim + 1) * i + k)];
+      moved =
+          moved + points[i].weights[k] * Vector3{of_node[0], of_node[1], dim == 3 ? of_node[2] : 0};
     }
     world.push_back(displaced(points[i].x, moved));
   }
@@ -302,7 +311,7 @@ double Body::prescribed_work(const Trial& trial) const {
   double work = 0;
   const double end = trial.end_weight;
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
-    for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < scene_.prescribed[i].displacement.size(); ++k) {
       const Vec vectors[4] = {reaction_.get(), trial.working.reaction, state_.u.get(), trial.u};
       const auto values = gather(vectors, conditions_.curve_dofs(i, k));
       for (std::size_t n = 0; n < values[0].size(); ++n) {
@@ -342,14 +351,14 @@ double Body::largest_speed() const {
   return speed;
 }
 
-Vector2 Body::curve_reaction(std::size_t curve) const {
-  std::array<double, 2> total{};
-  for (std::size_t k = 0; k < 2; ++k) {
+Vector3 Body::curve_reaction(std::size_t curve) const {
+  std::array<double, 3> total{};
+  for (std::size_t k = 0; k < 3; ++k) {
     const Vec vectors[1] = {reaction_.get()};
     const auto values = gather(vectors, conditions_.curve_dofs(curve, k));
     for (const double value : values[0]) total[k] += value;
   }
-  return {total[0], total[1]};
+  return {total[0], total[1], total[2]};
 }
 
 }  // namespace stylet

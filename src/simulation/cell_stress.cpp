@@ -1,12 +1,17 @@
 #include "stylet/simulation/cell_stress.hpp"
 
-#include "stylet/fem/element.hpp"
+#include "stylet/fem/simplex.hpp"
 
 #include <array>
 
 namespace stylet {
 
-CellStress stress_in(const Simulation& simulation, int cell, std::span<const double> u) {
+namespace {
+
+// In the frame of a scene in the plane, which may be turned against the mesh's.
+LinearSimplex<2>::Block plane_gradient(const Simulation& simulation,
+                                       int cell,
+                                       std::span<const double> u) {
   const Mesh& mesh = simulation.mesh();
   const Rotation turn = simulation.rotation();
   const auto nodes = mesh.cell(cell);
@@ -19,12 +24,22 @@ CellStress stress_in(const Simulation& simulation, int cell, std::span<const dou
     x[k] = {point.x, point.y};
     corners[k] = {moved.x, moved.y};
   }
-  const LinearSimplex<2> element({x[0], x[1], x[2]});
-  const auto h = element.displacement_gradient(corners);
+  return LinearSimplex<2>({x[0], x[1], x[2]}).displacement_gradient(corners);
+}
+
+}  // namespace
+
+CellStress stress_in(const Simulation& simulation, int cell, std::span<const double> u) {
+  const Mesh& mesh = simulation.mesh();
   const double mu = simulation.tissue().moduli(cell).mu;
-  const VolumetricState volume = simulation.tissue().volumetric(mesh, cell, u);
-  return {plane_stress(h, mu, volume.pressure, simulation.scene().tissue.plane), volume.pressure,
-          volume.energy_density + shear_energy_density(h, mu)};
+  const auto [pressure, volume_energy] = simulation.tissue().volumetric(mesh, cell, u);
+  if (mesh.dim() == 3) {
+    const auto h = simplex<3>(mesh, cell).displacement_gradient(corner_values<3>(mesh, cell, u));
+    return {space_stress(h, mu, pressure), pressure, volume_energy + shear_energy_density(h, mu)};
+  }
+  const auto h = plane_gradient(simulation, cell, u);
+  return {plane_stress(h, mu, pressure, *simulation.scene().tissue.plane), pressure,
+          volume_energy + shear_energy_density(h, mu)};
 }
 
 }  // namespace stylet

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <string>
 
@@ -22,52 +21,70 @@ bool is_zero(double component, double size) {
 }
 
 double size_of(const PrescribedCurve& p) {
-  return std::hypot(p.displacement[0].value_or(0), p.displacement[1].value_or(0));
+  double size = 0;
+  for (const auto& component : p.displacement) size = std::hypot(size, component.value_or(0));
+  return size;
 }
 
-std::vector<std::array<int, 2>> edges_of(const Mesh& mesh, const std::string& curve) {
-  std::vector<std::array<int, 2>> edges;
-  for (const int f : mesh.facets_of(curve)) {
-    const auto at = 2 * static_cast<std::size_t>(f);
-    edges.push_back({mesh.data().facets[at], mesh.data().facets[at + 1]});
+/// 'between A and B', or the three corners of a triangle.
+std::string between(const Scene& scene, const Mesh& mesh, std::span<const int> facet) {
+  std::string text = "between " + point_text(scene, mesh.place(facet[0]));
+  for (std::size_t i = 1; i < facet.size(); ++i) {
+    text += (i + 1 < facet.size() ? ", " : " and ") + point_text(scene, mesh.place(facet[i]));
   }
-  return edges;
+  return text;
+}
+
+/// The axis that a facet is normal to, or none.
+std::optional<int> normal_axis(const Mesh& mesh, std::span<const int> facet) {
+  constexpr double parallel = 1e-9;
+  const auto x0 = mesh.coordinates(facet[0]);
+  std::array<double, 3> spread{};
+  double extent = 0;
+  for (const int node : facet) {
+    const auto x = mesh.coordinates(node);
+    double length = 0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      spread[k] = std::max(spread[k], std::abs(x[k] - x0[k]));
+      length = std::hypot(length, x[k] - x0[k]);
+    }
+    extent = std::max(extent, length);
+  }
+  for (int k = mesh.dim() - 1; k >= 0; --k) {
+    if (spread[static_cast<std::size_t>(k)] <= parallel * extent) return k;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-Conditions::Conditions(const Scene& scene, const Mesh& mesh) : scene_(scene) {
+Conditions::Conditions(const Scene& scene, const Mesh& mesh) : scene_(scene), dim_(mesh.dim()) {
   std::set<int> held;
   for (const auto& support : scene.supports) {
     if (support.kind == SupportKind::free) continue;
     for (const int f : mesh.facets_of(support.curve)) {
-      const int a = mesh.data().facets[2 * static_cast<std::size_t>(f)];
-      const int b = mesh.data().facets[2 * static_cast<std::size_t>(f) + 1];
-      const Vector2 edge = mesh.point(b) - mesh.point(a);
-      constexpr double parallel = 1e-9;
-      const bool along_x = std::abs(edge.y) <= parallel * norm(edge);
-      const bool along_y = std::abs(edge.x) <= parallel * norm(edge);
-      for (const int node : {a, b}) {
-        if (support.kind == SupportKind::fixed) {
-          held.insert(2 * node);
-          held.insert(2 * node + 1);
-        } else if (along_x) {
-          held.insert(2 * node + 1);
-        } else if (along_y) {
-          held.insert(2 * node);
-        } else {
-          throw InputError(scene.file + ": key 'supports." + support.curve +
-                           "': roller needs a boundary along or across the needle (x or y)");
+      const auto facet = mesh.facet(f);
+      if (support.kind == SupportKind::fixed) {
+        for (const int node : facet) {
+          for (int k = 0; k < dim_; ++k) held.insert(dim_ * node + k);
         }
+        continue;
       }
+      const auto axis = normal_axis(mesh, facet);
+      if (!axis) {
+        throw InputError(scene.file + ": key 'supports." + support.curve + "': roller needs a " +
+                         (dim_ == 2 ? "boundary along or across the needle (x or y)"
+                                    : "surface that is normal to x, y or z"));
+      }
+      for (const int node : facet) held.insert(dim_ * node + *axis);
     }
   }
   held_.assign(held.begin(), held.end());
   for (const auto& prescribed : scene.prescribed) {
     auto& dofs = curve_dofs_.emplace_back();
     for (const int node : mesh.nodes_of(prescribed.curve)) {
-      for (std::size_t k = 0; k < 2; ++k) {
-        if (prescribed.displacement[k]) dofs[k].push_back(2 * node + static_cast<int>(k));
+      for (std::size_t k = 0; k < prescribed.displacement.size(); ++k) {
+        if (prescribed.displacement[k]) dofs[k].push_back(dim_ * node + static_cast<int>(k));
       }
     }
   }
@@ -84,18 +101,18 @@ void Conditions::check_prescribed(const Mesh& mesh) {
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
     const auto& p = scene_.prescribed[i];
     std::set<int> corners;
-    for (const std::size_t k : {0U, 1U}) {
+    for (std::size_t k = 0; k < p.displacement.size(); ++k) {
       if (is_zero(p.displacement[k].value_or(0), size_of(p))) continue;
-      const auto held = [&](int node) { return is_held(2 * node + static_cast<int>(k)); };
-      for (const auto& [a, b] : edges_of(mesh, p.curve)) {
-        if (held(a) && held(b)) {
+      const auto held = [&](int node) { return is_held(dim_ * node + static_cast<int>(k)); };
+      for (const int f : mesh.facets_of(p.curve)) {
+        const auto facet = mesh.facet(f);
+        if (std::ranges::all_of(facet, held)) {
           refuse_key(scene_, "prescribed." + std::to_string(i) + ".displacement",
-                     "would have no effect between " + point_text(scene_, mesh.point(a)) + " and " +
-                         point_text(scene_, mesh.point(b)) +
-                         ", where a support holds the tissue; allowed: a curve, or a component, "
-                         "that is not held");
+                     "would have no effect " + between(scene_, mesh, facet) +
+                         ", where a support holds the tissue; allowed: a " +
+                         (dim_ == 2 ? "curve" : "surface") + ", or a component, that is not held");
         }
-        for (const int node : {a, b}) {
+        for (const int node : facet) {
           if (held(node)) corners.insert(node);
         }
       }
@@ -109,7 +126,7 @@ void Conditions::check_shared_points(const Mesh& mesh) const {
   std::map<int, std::size_t> first;  // by dof
   for (std::size_t i = 0; i < scene_.prescribed.size(); ++i) {
     const auto& p = scene_.prescribed[i];
-    for (const std::size_t k : {0U, 1U}) {
+    for (std::size_t k = 0; k < p.displacement.size(); ++k) {
       for (const int dof : curve_dofs_[i][k]) {
         const auto [entry, is_new] = first.emplace(dof, i);
         const auto& q = scene_.prescribed[entry->second];
@@ -120,9 +137,9 @@ void Conditions::check_shared_points(const Mesh& mesh) const {
           continue;
         }
         refuse_key(scene_, "prescribed." + std::to_string(i) + ".displacement",
-                   "moves " + point_text(scene_, mesh.point(dof / 2)) + ", a point of curve '" +
-                       q.curve + "' too, in another way than prescribed." +
-                       std::to_string(entry->second) +
+                   "moves " + point_text(scene_, mesh.place(dof / dim_)) + ", a point of " +
+                       (dim_ == 2 ? "curve '" : "surface '") + q.curve +
+                       "' too, in another way than prescribed." + std::to_string(entry->second) +
                        "; allowed: the same displacement, start and ramp there, or null");
       }
     }
@@ -137,16 +154,19 @@ void Conditions::check_tractions(const Mesh& mesh) const {
   }
   for (std::size_t i = 0; i < scene_.tractions.size(); ++i) {
     const auto& traction = scene_.tractions[i];
-    for (const int k : {0, 1}) {
-      const double force = k == 0 ? traction.force.x : traction.force.y;
-      if (is_zero(force, norm(traction.force))) continue;
-      for (const auto& [a, b] : edges_of(mesh, traction.curve)) {
-        if (!given.contains(2 * a + k) || !given.contains(2 * b + k)) continue;
-        refuse_key(scene_, "loads.traction." + std::to_string(i) + ".force",
-                   "would have no effect between " + point_text(scene_, mesh.point(a)) + " and " +
-                       point_text(scene_, mesh.point(b)) +
+    const Vector3 force = traction.force.vector();
+    for (int k = 0; k < dim_; ++k) {
+      if (is_zero(component(force, static_cast<std::size_t>(k)), norm(force))) continue;
+      const auto is_given = [&](int node) { return given.contains(dim_ * node + k); };
+      for (const int f : mesh.facets_of(traction.curve)) {
+        const auto facet = mesh.facet(f);
+        if (!std::ranges::all_of(facet, is_given)) continue;
+        refuse_key(scene_,
+                   "loads.traction." + std::to_string(i) + (dim_ == 2 ? ".force" : ".stress"),
+                   "would have no effect " + between(scene_, mesh, facet) +
                        ", where a support or a prescribed displacement holds the tissue; allowed: "
-                       "a curve that is free to move along the force");
+                       "a " +
+                       (dim_ == 2 ? "curve" : "surface") + " that is free to move along the force");
       }
     }
   }
@@ -164,7 +184,7 @@ std::vector<PrescribedDof> Conditions::prescribed(double t) const {
     const auto& p = scene_.prescribed[i];
     double share = t > p.start || (p.ramp == 0 && t >= p.start) ? 1 : 0;
     if (share > 0 && p.ramp > 0) share = std::min(1.0, (t - p.start) / p.ramp);
-    for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < p.displacement.size(); ++k) {
       for (const int dof : curve_dofs_[i][k]) values[dof] = share * *p.displacement[k];
     }
   }
@@ -191,69 +211,29 @@ bool Conditions::changes(double t0, double t1) const {
 
 std::vector<double> Conditions::load(const Mesh& mesh, double t) const {
   if (!has_load()) return {};
-  std::vector<double> force(2 * static_cast<std::size_t>(mesh.n_nodes()), 0.0);
-  const auto add = [&](int node, double share, Vector2 f) {
-    force[2 * static_cast<std::size_t>(node)] += share * f.x;
-    force[2 * static_cast<std::size_t>(node) + 1] += share * f.y;
+  const auto dim = static_cast<std::size_t>(dim_);
+  std::vector<double> force(dim * static_cast<std::size_t>(mesh.n_nodes()), 0.0);
+  const auto add = [&](int node, double share, const Components& f) {
+    double* const of_node = &force[dim * static_cast<std::size_t>(node)];
+    of_node[0] += share * f.x;
+    of_node[1] += share * f.y;
+    if (dim == 3) of_node[2] += share * *f.z;
   };
   for (const auto& body : scene_.body_forces) {
     if (t < body.start) continue;
     for (int c = 0; c < mesh.n_cells(); ++c) {
-      const double share = mesh.cell_measure(c) * scene_.tissue.thickness / 3;
+      const double share = mesh.cell_measure(c) * scene_.tissue.depth() / (dim_ + 1);
       for (const int node : mesh.cell(c)) add(node, share, body.force);
     }
   }
   for (const auto& traction : scene_.tractions) {
     if (t < traction.start) continue;
     for (const int f : mesh.facets_of(traction.curve)) {
-      const int a = mesh.data().facets[2 * static_cast<std::size_t>(f)];
-      const int b = mesh.data().facets[2 * static_cast<std::size_t>(f) + 1];
-      const double share = 0.5 * distance(mesh.point(a), mesh.point(b));
-      add(a, share, traction.force);
-      add(b, share, traction.force);
+      const double share = mesh.facet_measure(f) / dim_;
+      for (const int node : mesh.facet(f)) add(node, share, traction.force);
     }
   }
   return force;
-}
-
-void check_held(const Scene& scene, const Mesh& mesh, std::span<const PrescribedDof> held) {
-  std::array<std::size_t, 2> n{};
-  std::array<double, 2> arm{};  // mean of y over dofs along x, of x over dofs along y
-  for (const auto& [dof, value, velocity] : held) {
-    const auto component = static_cast<std::size_t>(dof % 2);
-    ++n[component];
-    arm[component] += mesh.coordinates(dof / 2)[1 - component];
-  }
-  const auto refuse = [&](const std::string& motion) {
-    const std::string why = scene.time.method == TimeMethod::quasi_static
-                                ? "without inertia (time.method quasi_static) it has to be held"
-                                : "a needle would push it away, and it would not come to rest";
-    refuse_key(scene, "supports",
-               "nothing keeps the tissue from " + motion + "; " + why +
-                   "; allowed: fixed or roller "
-                   "curves that hold it");
-  };
-  for (const std::size_t component : {0U, 1U}) {
-    if (n[component] == 0) {
-      refuse(scene.needle_angle == std::numbers::pi
-                 ? (component == 0 ? "moving along x" : "moving along y")
-                 : (component == 0 ? "moving along the needle" : "moving across the needle"));
-    }
-    arm[component] /= static_cast<double>(n[component]);
-  }
-  // Held along both axes, it can turn only about the point that no dof feels.
-  double turning = 0;
-  double size = 0;
-  for (const auto& [dof, value, velocity] : held) {
-    const auto component = static_cast<std::size_t>(dof % 2);
-    turning =
-        std::max(turning, std::abs(mesh.coordinates(dof / 2)[1 - component] - arm[component]));
-  }
-  for (int node = 0; node < mesh.n_nodes(); ++node) {
-    size = std::max(size, distance(mesh.point(node), mesh.point(0)));
-  }
-  constexpr double round_off = 1e-9;
-  if (turning <= round_off * size) refuse("turning");
 }
 
 }  // namespace stylet

@@ -31,7 +31,9 @@ std::string text_of(const LoadedCheckpoint& loaded) {
   text += "scene     " + summary.value("scene", "") + ", fingerprint " +
           fingerprint(about.scene).substr(0, 12) + "\n";
   text += "mesh      " + std::to_string(summary.value("n_nodes", 0)) + " nodes, " +
-          std::to_string(summary.value("n_triangles", 0)) + " triangles";
+          (summary.contains("n_tetrahedra")
+               ? std::to_string(summary.value("n_tetrahedra", 0)) + " tetrahedra"
+               : std::to_string(summary.value("n_triangles", 0)) + " triangles");
   text += (about.mesh.empty() ? "" : ", file's fingerprint " + about.mesh.substr(0, 12)) + "\n";
   if (!about.phase.empty()) {
     text += "needle    " + about.phase + ", its tip at " + place(about.tip.x, about.tip.y) + "\n";

@@ -5,6 +5,7 @@
 #include "stylet/base/text.hpp"
 #include "stylet/geometry/rotation.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/mesh/box.hpp"
 #include "stylet/mesh/embedded_point.hpp"
 #include "stylet/mesh/gmsh_reader.hpp"
 #include "stylet/mesh/rectangle.hpp"
@@ -31,10 +32,18 @@ MeshData source_mesh(MPI_Comm comm, const Scene& scene, std::string& file_finger
     require_room(comm, scene, 2.0 * rectangle->columns * rectangle->rows);
     return make_rectangle(*rectangle);
   }
+  if (const auto* box = std::get_if<BoxMesh>(&scene.mesh.source)) {
+    require_room(comm, scene, 6.0 * box->columns * box->rows * box->layers);
+    return make_box(*box);
+  }
   const std::string name = mesh_path(scene);
   const std::string bytes = read_on_all(comm, name);
   file_fingerprint = fingerprint(bytes);
-  MeshData data = read_gmsh(name, bytes, scene.mesh.scale, 2);
+  MeshData data = read_gmsh(name, bytes, scene.mesh.scale, scene.dim());
+  if (data.dim != scene.dim()) {
+    refuse_key(scene, "tissue.plane",
+               "missing; allowed: stress, strain, because " + name + " is a mesh of triangles");
+  }
   require_room(comm, scene, data.n_cells());
   return data;
 }
@@ -43,25 +52,28 @@ void check_inside(const Scene& scene,
                   const Mesh& mesh,
                   const std::string& key,
                   const std::string& name,
-                  ReferencePoint x) {
+                  ReferencePlace x) {
   if (locate(mesh, x)) return;
-  double low[2] = {1e300, 1e300};
-  double high[2] = {-1e300, -1e300};
+  double low[3] = {1e300, 1e300, 1e300};
+  double high[3] = {-1e300, -1e300, -1e300};
   const Rotation rotation(scene.needle_angle);  // the user's frame, not the needle's
   for (int node = 0; node < mesh.n_nodes(); ++node) {
-    const auto p = rotation.to_scene(mesh.point(node));
-    low[0] = std::min(low[0], p.x);
-    low[1] = std::min(low[1], p.y);
-    high[0] = std::max(high[0], p.x);
-    high[1] = std::max(high[1], p.y);
+    const auto p = rotation.to_scene(mesh.place(node));
+    const double of_node[3] = {p.x, p.y, p.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], of_node[k]);
+      high[k] = std::max(high[k], of_node[k]);
+    }
   }
-  const double size = std::max(high[0] - low[0], high[1] - low[1]);
-  const auto at = [size](ReferencePoint p) {
-    return "(" + ten_digits(cleared(p.x, size)) + ", " + ten_digits(cleared(p.y, size)) + ") m";
+  const double size = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  const bool in_space = mesh.dim() == 3;
+  const auto at = [size, in_space](ReferencePlace p) {
+    const auto text = [size](double v) { return ten_digits(cleared(v, size)); };
+    return "(" + text(p.x) + ", " + text(p.y) + (in_space ? ", " + text(p.z) : "") + ") m";
   };
   throw InputError(scene.file + ": key '" + below(key, name) + "': " + at(rotation.to_scene(x)) +
-                   " lies outside the tissue, which spans " + at({low[0], low[1]}) + " to " +
-                   at({high[0], high[1]}));
+                   " lies outside the tissue, which spans " + at({low[0], low[1], low[2]}) +
+                   " to " + at({high[0], high[1], high[2]}));
 }
 
 void turn(MeshData& data, const Rotation& rotation) {
@@ -148,11 +160,13 @@ Scene in_needle_frame(Scene scene) {
   const Rotation rotation(scene.needle_angle);
   if (rotation.is_identity()) return scene;
   for (auto& target : scene.targets) target.point = rotation.to_needle(target.point);
-  for (auto& probe : scene.probes) probe.point = rotation.to_needle(probe.point);
-  for (auto& body : scene.body_forces) body.force = rotation.to_needle(body.force);
-  for (auto& traction : scene.tractions) traction.force = rotation.to_needle(traction.force);
+  const auto turn = [&](Components& c) { c = rotation.to_needle(Vector2{c.x, c.y}); };
+  for (auto& probe : scene.probes) turn(probe.point);
+  for (auto& body : scene.body_forces) turn(body.force);
+  for (auto& traction : scene.tractions) turn(traction.force);
   for (auto& prescribed : scene.prescribed) {
-    auto& [x, y] = prescribed.displacement;
+    auto& x = prescribed.displacement[0];
+    auto& y = prescribed.displacement[1];
     const Vector2 turned = rotation.to_needle(Vector2{x.value(), y.value()});
     x = turned.x;
     y = turned.y;
@@ -200,7 +214,7 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
     check_inside(scene, mesh, "targets", target.name, target.point);
   }
   for (const auto& probe : scene.probes) {
-    check_inside(scene, mesh, "probes", probe.name, probe.point);
+    check_inside(scene, mesh, "probes", probe.name, probe.point.place());
   }
   for (const auto& needle : scene.needles) {
     check_name(scene, "needles", [&] { (void)find_entry(mesh, {needle.height}, needle.name); });

@@ -73,10 +73,11 @@ void note_motion(const Simulation& simulation, std::vector<std::string>& notes) 
 }
 
 void note_locking(const Scene& scene, std::vector<std::string>& notes) {
-  if (scene.tissue.plane != Plane::strain || scene.tissue.formulation != Formulation::p1) return;
+  if (scene.tissue.plane == Plane::stress || scene.tissue.formulation != Formulation::p1) return;
   for (const RegionTissue& region : scene.tissue.regions) {
-    if (!locks_in_plane_strain(region.material)) continue;
-    notes.push_back("formulation p1 locks in plane strain at Poisson's ratio " +
+    if (!locks(region.material)) continue;
+    notes.push_back(std::string("formulation p1 locks in ") +
+                    (scene.dim() == 2 ? "plane strain" : "space") + " at Poisson's ratio " +
                     brief(region.material.poisson_ratio) + " (region '" + region.region +
                     "'): forces come out too high; p1_averaged does not lock");
     return;
@@ -161,16 +162,15 @@ void note_late(const Simulation& simulation, std::vector<std::string>& notes) {
   };
   for (std::size_t i = 0; i < scene.body_forces.size(); ++i) {
     const BodyForce& body = scene.body_forces[i];
-    note(body.force != Vector2{}, body.start, "loads.body", i);
+    note(norm(body.force.vector()) != 0, body.start, "loads.body", i);
   }
   for (std::size_t i = 0; i < scene.tractions.size(); ++i) {
     const Traction& traction = scene.tractions[i];
-    note(traction.force != Vector2{}, traction.start, "loads.traction", i);
+    note(norm(traction.force.vector()) != 0, traction.start, "loads.traction", i);
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
     const PrescribedCurve& p = scene.prescribed[i];
-    const bool moves = p.displacement[0].value_or(0) != 0 || p.displacement[1].value_or(0) != 0;
-    note(moves, p.start, "prescribed", i);
+    note(moves(p), p.start, "prescribed", i);
   }
 }
 
@@ -260,8 +260,9 @@ void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
 void note_held_corners(const Simulation& simulation, std::vector<std::string>& notes) {
   for (const HeldCorner& corner : simulation.body().conditions().held_corners()) {
     const Scene& scene = simulation.scene();
-    notes.push_back("a support holds " + point_text(scene, simulation.mesh().point(corner.node)) +
-                    ", a point of curve '" + scene.prescribed[corner.prescribed].curve +
+    notes.push_back("a support holds " + point_text(scene, simulation.mesh().place(corner.node)) +
+                    (scene.dim() == 2 ? ", a point of curve '" : ", a point of surface '") +
+                    scene.prescribed[corner.prescribed].curve +
                     "', which is moved: prescribed has no effect there");
   }
 }

@@ -4,6 +4,8 @@
 #include "stylet/needle/stops.hpp"
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
+#include "stylet/simulation/room.hpp"
+#include "stylet/solvers/whole_solver.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,12 +31,12 @@ std::string time_text(double seconds) {
   return std::abs(seconds) < 1 ? with(seconds, 1e3, "ms") : with(seconds, 1, "s");
 }
 
-std::string pair_text(const Scene& scene, Vector2 v, const std::string& unit) {
-  return stylet::pair_text(scene, v) + " " + unit;
+std::string vector_text(const Scene& scene, Vector3 v, const std::string& unit) {
+  return stylet::vector_text(scene, v) + " " + unit;
 }
 
-std::string centimetres(const Scene& scene, ReferencePoint x) {
-  return stylet::pair_text(scene, x, 1e2) + " cm";
+std::string centimetres(const Scene& scene, ReferencePlace x) {
+  return stylet::vector_text(scene, x, 1e2) + " cm";
 }
 
 class Overview {
@@ -44,15 +46,17 @@ class Overview {
         scene_(simulation.scene()),
         mesh_(simulation.mesh()),
         n_ranks_(n_ranks),
-        measured_(measured) {
+        measured_(measured),
+        in_space_(scene_.dim() == 3) {
     for (const auto* names : {&mesh_.data().region_names, &mesh_.data().curve_names}) {
       for (const auto& name : *names) name_width_ = std::max(name_width_, name.size() + 2);
     }
   }
 
   std::string text() {
-    add("mesh", std::to_string(mesh_.n_cells()) + " triangles, " + std::to_string(mesh_.n_nodes()) +
-                    " nodes, worst quality " + with(simulation_.counts().worst_quality, 1, ""));
+    add("mesh", std::to_string(mesh_.n_cells()) + (in_space_ ? " tetrahedra, " : " triangles, ") +
+                    std::to_string(mesh_.n_nodes()) + " nodes, worst quality " +
+                    with(simulation_.counts().worst_quality, 1, ""));
     add_regions();
     add_curves();
     add_body_forces();
@@ -90,7 +94,8 @@ class Overview {
     for (const RegionTissue& region : scene_.tissue.regions) {
       const double area = areas[static_cast<std::size_t>(mesh_.region_index(region.region))];
       const LinearElastic& m = region.material;
-      add("regions", column(region.region, name_width_) + column(with(area, 1e4, "cm2"), 11) +
+      add("regions", column(region.region, name_width_) +
+                         column(in_space_ ? with(area, 1e6, "cm3") : with(area, 1e4, "cm2"), 11) +
                          "E " + with(m.youngs_modulus, 1e-3, "kPa") + ", nu " +
                          brief(m.poisson_ratio) + ", " + with(m.density, 1, "kg/m3"));
     }
@@ -108,21 +113,34 @@ class Overview {
       const auto component = [](const std::optional<double>& value) {
         return value ? brief(1e3 * *value) : std::string("free");
       };
-      std::string text = "moved by (";
-      if (p.displacement[0] && p.displacement[1]) {
-        text = "moved by " +
-               pair_text(scene_, 1e3 * Vector2{*p.displacement[0], *p.displacement[1]}, "mm");
+      std::string text = "moved by ";
+      if (!in_space_ && p.displacement[0] && p.displacement[1]) {
+        text += vector_text(scene_, 1e3 * Vector3{*p.displacement[0], *p.displacement[1]}, "mm");
       } else {
-        text += component(p.displacement[0]) + ", " + component(p.displacement[1]) + ") mm";
+        for (std::size_t k = 0; k < p.displacement.size(); ++k) {
+          text += (k == 0 ? "(" : ", ") + component(p.displacement[k]);
+        }
+        text += ") mm";
       }
       said.push_back(text + " from " + time_text(p.start) + " to " + time_text(p.start + p.ramp));
     }
     for (const Traction& t : scene_.tractions) {
       if (t.curve != curve) continue;
-      said.push_back("loaded with " + pair_text(scene_, t.force, "N/m") + " from " +
+      said.push_back("loaded with " +
+                     vector_text(scene_, t.force.vector(), in_space_ ? "Pa" : "N/m") + " from " +
                      time_text(t.start));
     }
     return said.empty() ? "free" : join(said);
+  }
+
+  /// Whether one cell only has this facet.
+  [[nodiscard]] bool is_outside(int f) const {
+    const auto nodes = mesh_.facet(f);
+    const std::vector<int> all = mesh_.cells_with(nodes[0], nodes[1]);
+    if (!in_space_) return all.size() == 1;
+    std::vector<int> both;
+    std::ranges::set_intersection(all, mesh_.cells_around(nodes[2]), std::back_inserter(both));
+    return both.size() == 1;
   }
 
   void add_curves() {
@@ -130,28 +148,26 @@ class Overview {
       double length = 0;
       bool outside = true;
       for (const int f : mesh_.facets_of(curve)) {
-        const auto at = 2 * static_cast<std::size_t>(f);
-        const int a = mesh_.data().facets[at];
-        const int b = mesh_.data().facets[at + 1];
-        length += distance(mesh_.point(a), mesh_.point(b));
-        outside = outside && mesh_.cells_with(a, b).size() == 1;
+        length += mesh_.facet_measure(f);
+        outside = outside && is_outside(f);
       }
       const std::string condition = condition_of(curve);
-      add("curves",
-          column(curve, name_width_) + column(length_text(length), 11) +
+      add(in_space_ ? "surfaces" : "curves",
+          column(curve, name_width_) +
+              column(in_space_ ? with(length, 1e4, "cm2") : length_text(length), 11) +
               (condition == "free" && !outside ? "inside, without a condition" : condition));
     }
     for (const HeldCorner& corner : simulation_.body().conditions().held_corners()) {
-      add("curves", "where '" + scene_.prescribed[corner.prescribed].curve +
-                        "' meets a support, at " + centimetres(scene_, mesh_.point(corner.node)) +
-                        ", the support holds");
+      add(in_space_ ? "surfaces" : "curves",
+          "where '" + scene_.prescribed[corner.prescribed].curve + "' meets a support, at " +
+              centimetres(scene_, mesh_.place(corner.node)) + ", the support holds");
     }
   }
 
   void add_body_forces() {
     for (const BodyForce& body : scene_.body_forces) {
-      add("loads",
-          "body force " + pair_text(scene_, body.force, "N/m3") + " from " + time_text(body.start));
+      add("loads", "body force " + vector_text(scene_, body.force.vector(), "N/m3") + " from " +
+                       time_text(body.start));
     }
   }
 
@@ -274,30 +290,50 @@ class Overview {
     const double n = mesh_.n_cells();
     constexpr double program = 50e6;
     constexpr double a_triangle = 2300;
-    add("size", "about " + bytes_text((program + a_triangle * n) * n_ranks_) + " of memory, " +
-                    bytes_text(disk()) + " on disk");
-    double a_step = 2.1e-7 * n;
-    if (scene_.time.method == TimeMethod::quasi_static) a_step = 7e-8 * n;
-    if (scene_.time.method == TimeMethod::explicit_newmark) {
-      a_step = sub_steps_ * (1.4e-5 + 4e-9 * n);
-    }
+    const double memory = in_space_ ? bytes_needed(scene_, n) : program + a_triangle * n;
+    add("size", "about " + bytes_text(memory * n_ranks_) + " of memory, " + bytes_text(disk()) +
+                    " on disk");
+    const auto [set_up, a_step] = in_space_ ? seconds_in_space(n) : seconds_in_the_plane(n);
     char seconds[40];
-    std::snprintf(seconds, sizeof seconds, "%.1g s", a_step * n_steps_ + 2e-6 * n);
+    std::snprintf(seconds, sizeof seconds, "%.1g s", a_step * n_steps_ + set_up);
     add("takes", "about " + std::string(seconds) +
                      (open_ended_ && !scene_.time.until_implanted ? ", settling apart," : "") +
                      " on one core; a third or thrice as long on another machine");
   }
 
+  // Of the set-up, and of a step.
+  [[nodiscard]] std::pair<double, double> seconds_in_the_plane(double n) const {
+    double a_step = 2.1e-7 * n;
+    if (scene_.time.method == TimeMethod::quasi_static) a_step = 7e-8 * n;
+    if (scene_.time.method == TimeMethod::explicit_newmark) {
+      a_step = sub_steps_ * (1.4e-5 + 4e-9 * n);
+    }
+    return {2e-6 * n, a_step};
+  }
+
+  [[nodiscard]] std::pair<double, double> seconds_in_space(double n) const {
+    const bool averages = scene_.tissue.formulation == Formulation::p1_averaged;
+    const double row = averages ? 180 : 42;
+    const double n_dofs = 3.0 * mesh_.n_nodes();
+    const double set_up = (averages ? 2e-5 : 7e-6) * n;
+    if (scene_.time.method == TimeMethod::explicit_newmark) {
+      return {set_up, sub_steps_ * 2e-9 * row * n_dofs};
+    }
+    const double bytes = factor_bytes(3, n_dofs, row);  // made, and read twice a step
+    return {set_up + 4e-9 * bytes, 1.7e-10 * bytes};
+  }
+
   [[nodiscard]] double disk() const {
     constexpr double a_number = 13;  // as text
     double bytes = 20e3;
-    const double columns = 20 + 2.0 * static_cast<double>(scene_.probes.size()) +
-                           2.0 * static_cast<double>(scene_.prescribed.size());
+    const double n_vectors = static_cast<double>(scene_.probes.size() + scene_.prescribed.size());
+    const double columns = 20 + scene_.dim() * n_vectors;
     if (scene_.output.history) bytes += n_steps_ * columns * a_number;
     if (scene_.output.snapshots) {
       const double snapshots =
           std::min(n_steps_, n_steps_ * scene_.time.step / *scene_.output.snapshots) + 2;
-      bytes += snapshots * (60.0 * mesh_.n_nodes() + 43.0 * mesh_.n_cells() + 7e3);
+      bytes +=
+          snapshots * (60.0 * mesh_.n_nodes() + (in_space_ ? 71.0 : 43.0) * mesh_.n_cells() + 7e3);
     }
     return bytes;
   }
@@ -311,6 +347,7 @@ class Overview {
   const Mesh& mesh_;
   int n_ranks_;
   const Timing* measured_;
+  bool in_space_;
   std::size_t name_width_ = 8;
   double n_steps_ = 0;
   double n_implanted_ = 0;  ///< of them up to the last implant

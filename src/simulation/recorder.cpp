@@ -3,7 +3,7 @@
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
-#include "stylet/simulation/cell_stress.hpp"
+#include "stylet/simulation/cell_fields.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/score.hpp"
 
@@ -31,8 +31,15 @@ std::vector<std::array<double, 2>> plain(const Rotation& turn, const std::vector
   return out;
 }
 
-Vector2 moved(ReferencePoint from, WorldPoint to) {
-  return {to.x - from.x, to.y - from.y};
+Vector3 moved(ReferencePlace from, WorldPlace to) {
+  return {to.x - from.x, to.y - from.y, to.z - from.z};
+}
+
+// As many components as the scene has dimensions.
+std::vector<double> components(const Scene& scene, double x, double y, double z) {
+  std::vector<double> values{x, y};
+  if (scene.dim() == 3) values.push_back(z);
+  return values;
 }
 
 // The columns of the history, in order: `add` gets name, unit and what gives the value. Values that take
@@ -83,14 +90,16 @@ void each_column(const Simulation& simulation, const StepRecord& step, Add&& add
   add("iterations", "", [&] { return static_cast<double>(step.iterations); });
   const auto probes = simulation.body().world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
+    const Vector3 u = turn.to_scene(moved(scene.probes[i].point.place(), probes[i]));
     add(scene.probes[i].name + "_ux", "m", [&] { return u.x; });
     add(scene.probes[i].name + "_uy", "m", [&] { return u.y; });
+    if (scene.dim() == 3) add(scene.probes[i].name + "_uz", "m", [&] { return u.z; });
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    const Vector2 force = turn.to_scene(simulation.body().curve_reaction(i));
+    const Vector3 force = turn.to_scene(simulation.body().curve_reaction(i));
     add(scene.prescribed[i].curve + "_fx", "N", [&] { return force.x; });
     add(scene.prescribed[i].curve + "_fy", "N", [&] { return force.y; });
+    if (scene.dim() == 3) add(scene.prescribed[i].curve + "_fz", "N", [&] { return force.z; });
   }
 }
 
@@ -129,35 +138,6 @@ std::vector<int> node_states(const Simulation& simulation) {
     }
   }
   return state;
-}
-
-// Stress and energy of this rank's rows of cells.
-void add_cell_fields(const Simulation& simulation,
-                     std::span<const int> new_of_old_cell,
-                     Range rows,
-                     const std::vector<double>& u,
-                     Snapshot& snapshot) {
-  const auto n = static_cast<std::size_t>(rows.size());
-  Field xx{"stress_xx", true, 1, std::vector<double>(n), "Pa"};
-  Field yy{"stress_yy", true, 1, std::vector<double>(n), "Pa"};
-  Field xy{"stress_xy", true, 1, std::vector<double>(n), "Pa"};
-  Field mises{"von_mises", true, 1, std::vector<double>(n), "Pa"};
-  Field energy{"strain_energy_density", true, 1, std::vector<double>(n), "J/m^3"};
-  FlagField region{"region", true, std::vector<int>(n)};
-  const Mesh& mesh = simulation.mesh();
-  for (std::size_t i = 0; i < n; ++i) {
-    const int c = new_of_old_cell[static_cast<std::size_t>(rows.begin) + i];
-    const auto [s, pressure, energy_density] = stress_in(simulation, c, u);
-    xx.values[i] = s.xx;
-    yy.values[i] = s.yy;
-    xy.values[i] = s.xy;
-    mises.values[i] = s.von_mises();
-    energy.values[i] = energy_density;
-    region.values[i] = mesh.region(c);
-  }
-  for (Field* field : {&xx, &yy, &xy, &mises, &energy})
-    snapshot.fields.push_back(std::move(*field));
-  snapshot.flags.push_back(std::move(region));
 }
 
 }  // namespace
@@ -239,14 +219,17 @@ void Recorder::snapshot(const Simulation& simulation) {
   snapshot.time = t;
   const Needle* needle = simulation.needle();
   snapshot.phase = needle != nullptr ? name_of(needle->phase()) : "";
-  std::vector<double> coordinates(2 * old_of_new_node_.size());
+  snapshot.dim = mesh.dim();
+  const auto dim = static_cast<std::size_t>(mesh.dim());
+  std::vector<double> coordinates;
+  coordinates.reserve(dim * old_of_new_node_.size());
   for (std::size_t i = 0; i < old_of_new_node_.size(); ++i) {
-    const auto x = turn.to_scene(mesh.point(numbered.new_of_old_node[i]));
-    coordinates[2 * i] = x.x;
-    coordinates[2 * i + 1] = x.y;
+    const auto x = turn.to_scene(mesh.place(numbered.new_of_old_node[i]));
+    coordinates.insert(coordinates.end(), {x.x, x.y});
+    if (dim == 3) coordinates.push_back(x.z);
   }
   std::vector<int> connectivity;
-  connectivity.reserve(3 * new_of_old_cell_.size());
+  connectivity.reserve((dim + 1) * new_of_old_cell_.size());
   for (const int c : new_of_old_cell_) {
     for (const int node : mesh.cell(c)) {
       connectivity.push_back(old_of_new_node_[static_cast<std::size_t>(node)]);
@@ -261,15 +244,18 @@ void Recorder::snapshot(const Simulation& simulation) {
   const auto v = gather_all(simulation.state().v.get());
   const auto states = node_states(simulation);
   const Range nodes = chunk(mesh.n_nodes(), rank_of(comm_), size_of(comm_));
-  Field u_field{"u", false, 2, {}, "m"};
-  Field v_field{"v", false, 2, {}, "m/s"};
+  Field u_field{"u", false, mesh.dim(), {}, "m"};
+  Field v_field{"v", false, mesh.dim(), {}, "m/s"};
   FlagField state_field{"node_state", false, {}};
   for (int i = nodes.begin; i < nodes.end; ++i) {
     const auto at = static_cast<std::size_t>(numbered.new_of_old_node[static_cast<std::size_t>(i)]);
-    const Vector2 displacement = turn.to_scene(Vector2{u[2 * at], u[2 * at + 1]});
-    const Vector2 velocity = turn.to_scene(Vector2{v[2 * at], v[2 * at + 1]});
-    u_field.values.insert(u_field.values.end(), {displacement.x, displacement.y});
-    v_field.values.insert(v_field.values.end(), {velocity.x, velocity.y});
+    const auto add = [&](const std::vector<double>& of, Field& field) {
+      const Vector2 turned = turn.to_scene(Vector2{of[dim * at], of[dim * at + 1]});
+      field.values.insert(field.values.end(), {turned.x, turned.y});
+      if (dim == 3) field.values.push_back(of[dim * at + 2]);
+    };
+    add(u, u_field);
+    add(v, v_field);
     state_field.values.push_back(states[at]);
   }
   snapshot.fields.push_back(std::move(u_field));
@@ -349,9 +335,10 @@ ordered_json summarise(MPI_Comm comm,
     summary["deformed_inversions"] = simulation.turned_over().triangles;
   }
   const auto add_strain = [&](const char* name, const StrainPeak& peak) {
+    const auto place = turn.to_scene(peak.place);
     summary[name] = {{"value", peak.value},
                      {"time", peak.time},
-                     {"place", plain(turn, std::vector{peak.place})[0]}};
+                     {"place", components(scene, place.x, place.y, place.z)}};
   };
   add_strain("largest_strain", simulation.largest_strain().anywhere);
   add_strain("widespread_strain", simulation.largest_strain().widespread);
@@ -365,12 +352,12 @@ ordered_json summarise(MPI_Comm comm,
   }
   const auto probes = simulation.body().world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const Vector2 u = turn.to_scene(moved(scene.probes[i].point, probes[i]));
-    summary["probes"][scene.probes[i].name] = {u.x, u.y};
+    const Vector3 u = turn.to_scene(moved(scene.probes[i].point.place(), probes[i]));
+    summary["probes"][scene.probes[i].name] = components(scene, u.x, u.y, u.z);
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
-    const Vector2 force = turn.to_scene(simulation.body().curve_reaction(i));
-    summary["reactions"][scene.prescribed[i].curve] = {force.x, force.y};
+    const Vector3 force = turn.to_scene(simulation.body().curve_reaction(i));
+    summary["reactions"][scene.prescribed[i].curve] = components(scene, force.x, force.y, force.z);
   }
   const Energies& e = simulation.energies();
   summary["energy"] = {{"kinetic", e.kinetic},       {"strain", e.strain},
@@ -378,7 +365,7 @@ ordered_json summarise(MPI_Comm comm,
                        {"edits", e.edits},           {"balance_error", e.balance_error()}};
   summary["notes"] = notes_of(simulation);
   summary["n_nodes"] = simulation.mesh().n_nodes();
-  summary["n_triangles"] = simulation.mesh().n_cells();
+  summary["n_" + scene.cells()] = simulation.mesh().n_cells();
   summary["n_ranks"] = size_of(comm);
   summary["wall_times"] = wall_times;
   if (const auto& mesh = simulation.numbered().file_fingerprint; !mesh.empty()) {

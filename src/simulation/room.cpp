@@ -5,6 +5,7 @@
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
+#include "stylet/solvers/whole_solver.hpp"
 
 #include <cmath>
 
@@ -20,33 +21,39 @@ double least_memory(MPI_Comm comm) {
 
 }  // namespace
 
-double bytes_needed(const TimeParameters& time, double n_triangles) {
+double bytes_needed(const Scene& scene, double n_cells) {
   constexpr double program = 50e6;
-  constexpr double operators = 700;
-  constexpr double with_factor = 2300;
-  const bool factors = time.method != TimeMethod::explicit_newmark;
-  return program + (factors ? with_factor : operators) * n_triangles;
+  const bool factors = scene.time.method != TimeMethod::explicit_newmark;
+  if (scene.dim() == 2) {
+    constexpr double operators = 700;
+    constexpr double with_factor = 2300;
+    return program + (factors ? with_factor : operators) * n_cells;
+  }
+  const bool averages = scene.tissue.formulation == Formulation::p1_averaged;
+  if (!factors) return program + (averages ? 2400 : 600) * n_cells;
+  constexpr double dofs_a_cell = 0.55;
+  return program + (averages ? 7500 : 2000) * n_cells +
+         factor_bytes(3, dofs_a_cell * n_cells, averages ? 180 : 42);
 }
 
-Room room_for(MPI_Comm comm, const TimeParameters& time, double n_triangles, int refine) {
+Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine) {
   const int ranks = ranks_on_a_machine();
   const double there = least_memory(comm);
-  const auto needed = [&](int times) {
-    return ranks * bytes_needed(time, n_triangles * std::pow(4.0, times));
-  };
+  const auto refined = [&](int times) { return n_cells * std::pow(2.0, scene.dim() * times); };
+  const auto needed = [&](int times) { return ranks * bytes_needed(scene, refined(times)); };
   Room room;
   while (needed(room.finest + 1) <= there && room.finest < refine) ++room.finest;
   if (room.finest >= refine) return room;
   const auto gigabytes = [](double bytes) { return brief(std::ceil(1e-8 * bytes) / 10) + " GB"; };
-  room.lack = brief(n_triangles * std::pow(4.0, refine)) + " triangles, which need about " +
+  room.lack = brief(refined(refine)) + " " + scene.cells() + ", which need about " +
               gigabytes(needed(refine)) + " of memory" +
               (ranks > 1 ? " on " + std::to_string(ranks) + " ranks" : "") + "; there are " +
               gigabytes(there);
   return room;
 }
 
-void require_room(MPI_Comm comm, const Scene& scene, double n_triangles) {
-  const Room room = room_for(comm, scene.time, n_triangles, scene.mesh.refine);
+void require_room(MPI_Comm comm, const Scene& scene, double n_cells) {
+  const Room room = room_for(comm, scene, n_cells, scene.mesh.refine);
   if (room.lack.empty()) return;
   const std::string makes = std::to_string(scene.mesh.refine) + " makes " + room.lack;
   if (room.finest >= 0) {

@@ -139,8 +139,8 @@ void print(const Scene& scene,
   const auto& walls = summary["wall_times"];
   double total = 0;
   for (const auto& [phase, seconds] : walls.items()) total += seconds.get<double>();
-  std::printf("%lld steps on %d triangles and %d rank%s in %.2f s\n",
-              summary["steps"].get<long long>(), summary["n_triangles"].get<int>(),
+  std::printf("%lld steps on %d %s and %d rank%s in %.2f s\n", summary["steps"].get<long long>(),
+              summary["n_" + scene.cells()].get<int>(), scene.cells().c_str(),
               summary["n_ranks"].get<int>(), summary["n_ranks"].get<int>() == 1 ? "" : "s", total);
   std::printf("files in %s: summary.json, scene.yaml%s%s\n", outcome.folder.c_str(),
               scene.output.history ? ", history.csv" : "",

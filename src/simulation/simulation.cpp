@@ -36,6 +36,7 @@ std::vector<EmbeddedPoint> embedded_in(const Mesh& mesh,
 
 // Of the tissue along the needle (m).
 double extent_of(const Mesh& mesh) {
+  if (mesh.dim() == 3) return 0;  // there are no needles
   double first = Axis::along(mesh.point(0));
   double last = first;
   for (int node = 0; node < mesh.n_nodes(); ++node) {
@@ -73,7 +74,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::uniqu
     membrane_ = body_.embed(embedded_in(mesh(), polygon, scene_));
   }
   std::vector<EmbeddedPoint> probes;
-  for (const auto& probe : scene_.probes) probes.push_back(*locate(mesh(), probe.point));
+  for (const auto& probe : scene_.probes) probes.push_back(*locate(mesh(), probe.point.place()));
   probes_ = body_.embed(probes);
   counts_.worst_quality = body_.rewrites().worst_quality;
   if (scene_.time.method == TimeMethod::explicit_newmark) counts_.stable_step = body_.stable_step();
@@ -349,7 +350,7 @@ std::vector<double> Simulation::placement_errors() const {
     if (target == scene_.targets.end()) {
       errors.push_back(std::nan(""));
     } else if (scene_.time.until_implanted) {
-      errors.push_back(distance(places[i].x, target->point));
+      errors.push_back(distance(places[i].x.in_plane(), target->point));
     } else {
       errors.push_back(norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y}));
     }

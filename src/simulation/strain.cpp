@@ -1,36 +1,64 @@
 #include "stylet/simulation/strain.hpp"
 
-#include "stylet/fem/element.hpp"
+#include "stylet/fem/simplex.hpp"
+#include "stylet/geometry/tetrahedron.hpp"
 #include "stylet/geometry/triangle.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 namespace stylet {
 
 namespace {
 
-double largest_principal_strain(const Mesh& mesh, int c, std::span<const double> u) {
-  const auto nodes = mesh.cell(c);
-  std::array<LinearSimplex<2>::Vector, 3> corners{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto at = 2 * static_cast<std::size_t>(nodes[k]);
-    corners[k] = {u[at], u[at + 1]};
-  }
-  const LinearSimplex<2> element(
-      {mesh.coordinates(nodes[0]), mesh.coordinates(nodes[1]), mesh.coordinates(nodes[2])});
-  const auto h = element.displacement_gradient(corners);
+double principal(const LinearSimplex<2>::Block& h) {
   const double mean = 0.5 * (h[0][0] + h[1][1]);
   const double radius = std::hypot(0.5 * (h[0][0] - h[1][1]), 0.5 * (h[0][1] + h[1][0]));
   return std::abs(mean) + radius;
 }
 
-ReferencePoint centre_of(const Mesh& mesh, int c) {
+// The eigenvalues of a symmetric matrix of trace 0 are 2 p cos(angle + 2 pi k / 3), where its squares add
+// up to 6 p^2 and its determinant is 2 p^3 cos(3 angle).
+double principal(const LinearSimplex<3>::Block& h) {
+  const double mean = (h[0][0] + h[1][1] + h[2][2]) / 3;
+  LinearSimplex<3>::Block s{};
+  double squares = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      s[i][k] = 0.5 * (h[i][k] + h[k][i]) - (i == k ? mean : 0.0);
+      squares += s[i][k] * s[i][k];
+    }
+  }
+  const double p = std::sqrt(squares / 6);
+  if (p == 0) return std::abs(mean);
+  const double det = s[0][0] * (s[1][1] * s[2][2] - s[1][2] * s[2][1]) -
+                     s[0][1] * (s[1][0] * s[2][2] - s[1][2] * s[2][0]) +
+                     s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0]);
+  const double angle = std::acos(std::clamp(det / (2 * p * p * p), -1.0, 1.0)) / 3;
+  const double highest = mean + 2 * p * std::cos(angle);
+  const double lowest = mean + 2 * p * std::cos(angle + 2 * std::numbers::pi / 3);
+  return std::max(std::abs(highest), std::abs(lowest));
+}
+
+template <int Dim>
+double largest_principal_strain(const Mesh& mesh, int c, std::span<const double> u) {
+  return principal(simplex<Dim>(mesh, c).displacement_gradient(corner_values<Dim>(mesh, c, u)));
+}
+
+double largest_principal_strain(const Mesh& mesh, int c, std::span<const double> u) {
+  return mesh.dim() == 2 ? largest_principal_strain<2>(mesh, c, u)
+                         : largest_principal_strain<3>(mesh, c, u);
+}
+
+ReferencePlace centre_of(const Mesh& mesh, int c) {
   const auto n = mesh.cell(c);
-  const auto a = mesh.point(n[0]);
-  return a + (1.0 / 3) * ((mesh.point(n[1]) - a) + (mesh.point(n[2]) - a));
+  const auto a = mesh.place(n[0]);
+  Vector3 sum = (mesh.place(n[1]) - a) + (mesh.place(n[2]) - a);
+  if (n.size() == 4) sum = sum + (mesh.place(n[3]) - a);
+  return a + (1.0 / static_cast<double>(n.size())) * sum;
 }
 
 /// The needle's path: cells with a node of it, and all whose centre is within the reach.
@@ -82,16 +110,20 @@ bool is_turned_over(const Mesh& mesh, int cell, const std::array<Vector2, 3>& di
 TurnedOver turned_over(const Mesh& mesh, std::span<const double> u, double time) {
   TurnedOver all;
   all.time = time;
-  std::vector<WorldPoint> x;
+  const auto dim = static_cast<std::size_t>(mesh.dim());
+  std::vector<WorldPlace> x;
   x.reserve(static_cast<std::size_t>(mesh.n_nodes()));
   for (int node = 0; node < mesh.n_nodes(); ++node) {
-    const auto at = 2 * static_cast<std::size_t>(node);
-    x.push_back(displaced(mesh.point(node), {u[at], u[at + 1]}));
+    const auto at = dim * static_cast<std::size_t>(node);
+    x.push_back(displaced(mesh.place(node), {u[at], u[at + 1], dim == 3 ? u[at + 2] : 0}));
   }
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const auto nodes = mesh.cell(c);
     const auto corner = [&](std::size_t k) { return x[static_cast<std::size_t>(nodes[k])]; };
-    if (signed_area(corner(0), corner(1), corner(2)) <= 0) all.add(mesh, c);
+    const double measure =
+        dim == 3 ? signed_volume(std::array{corner(0), corner(1), corner(2), corner(3)})
+                 : signed_area(corner(0).in_plane(), corner(1).in_plane(), corner(2).in_plane());
+    if (measure <= 0) all.add(mesh, c);
   }
   return all;
 }
@@ -107,7 +139,7 @@ void raise(LargestStrain& largest,
   struct Strained {
     double strain;
     double area;
-    ReferencePoint centre;
+    ReferencePlace centre;
   };
   std::vector<Strained> candidates;
   double area = 0;
@@ -115,9 +147,10 @@ void raise(LargestStrain& largest,
     area += mesh.cell_measure(c);
     const double strain = largest_principal_strain(mesh, c, u);
     if (!(strain > largest.widespread.value)) continue;
-    const ReferencePoint centre = centre_of(mesh, c);
+    const ReferencePlace centre = centre_of(mesh, c);
     if (strain > largest.anywhere.value) largest.anywhere = {strain, time, centre};
-    if (!zone.holds(c, centre)) candidates.push_back({strain, mesh.cell_measure(c), centre});
+    if (!zone.holds(c, centre.in_plane()))
+      candidates.push_back({strain, mesh.cell_measure(c), centre});
   }
   std::ranges::sort(candidates, std::greater(), &Strained::strain);
   double exceeded_on = 0;

@@ -14,18 +14,19 @@ namespace stylet {
 
 EigenvalueBound::EigenvalueBound(const TissueOperator& tissue)
     : tissue_(tissue),
-      even_(static_cast<std::size_t>(tissue.end_dof() - tissue.first_dof()) / 2),
+      even_(static_cast<std::size_t>((tissue.end_dof() - tissue.first_dof()) / tissue.dim())),
       weighted_(even_) {
   const auto masses = gather_all(tissue.lumped_mass());
-  for (std::size_t i = 0; i < masses.size(); i += 2)
+  for (std::size_t i = 0; i < masses.size(); i += static_cast<std::size_t>(tissue.dim()))
     inverse_root_.push_back(1 / std::sqrt(masses[i]));
   make_weights();
   renew_all();
 }
 
 void EigenvalueBound::renew_all() {
-  std::vector<int> owned(static_cast<std::size_t>(tissue_.end_dof() - tissue_.first_dof()) / 2);
-  std::iota(owned.begin(), owned.end(), tissue_.first_dof() / 2);
+  std::vector<int> owned(
+      static_cast<std::size_t>((tissue_.end_dof() - tissue_.first_dof()) / tissue_.dim()));
+  std::iota(owned.begin(), owned.end(), tissue_.first_dof() / tissue_.dim());
   renew(owned);
 }
 
@@ -45,7 +46,7 @@ void EigenvalueBound::archive(Archive& archive) {
 
 void EigenvalueBound::update(std::span<const int> changed, std::span<const int> rows) {
   std::vector<int> dofs;
-  for (const int node : changed) dofs.push_back(2 * node);
+  for (const int node : changed) dofs.push_back(tissue_.dim() * node);
   const Vec vectors[1] = {tissue_.lumped_mass()};
   const auto masses = gather(vectors, dofs)[0];
   for (std::size_t i = 0; i < changed.size(); ++i) {
@@ -57,7 +58,7 @@ void EigenvalueBound::update(std::span<const int> changed, std::span<const int> 
 void EigenvalueBound::renew(std::span<const int> rows) {
   for (const int node : rows) {
     if (!tissue_.owns(node)) continue;
-    const auto at = static_cast<std::size_t>(node - tissue_.first_dof() / 2);
+    const auto at = static_cast<std::size_t>(node - tissue_.first_dof() / tissue_.dim());
     const Bounds bounds = row_bounds(node);
     even_.set(at, bounds.even);
     weighted_.set(at, bounds.weighted);
@@ -73,6 +74,7 @@ void EigenvalueBound::renew(std::span<const int> rows) {
 // no entry vanishes.
 void EigenvalueBound::make_weights() {
   constexpr int sweeps = 20;
+  const auto width = static_cast<std::size_t>(tissue_.dim());
   OwnedVec x = tissue_.make_vector();
   check(VecSet(x.get(), 1));
   for (int sweep = 0; sweep <= sweeps; ++sweep) {
@@ -85,9 +87,9 @@ void EigenvalueBound::make_weights() {
       double sum = 0;
       tissue_.along_row(row, [&](int column, double value) {
         const auto j = static_cast<std::size_t>(column);
-        sum += std::abs(value) * inverse_root_[j / 2] * weights_[j];
+        sum += std::abs(value) * inverse_root_[j / width] * weights_[j];
       });
-      product.push_back(sum * inverse_root_[static_cast<std::size_t>(row / 2)]);
+      product.push_back(sum * inverse_root_[static_cast<std::size_t>(row) / width]);
       largest[0] = std::max(largest[0], product.back());
       largest[1] = std::max(largest[1], next[row]);
     }
@@ -99,15 +101,17 @@ void EigenvalueBound::make_weights() {
   }
 }
 
-// The larger of a node's two rows.
+// The largest of a node's rows.
 EigenvalueBound::Bounds EigenvalueBound::row_bounds(int node) const {
   Bounds largest{0, 0};
-  for (int row = 2 * node; row < 2 * node + 2; ++row) {
+  const int dim = tissue_.dim();
+  const auto width = static_cast<std::size_t>(dim);
+  for (int row = dim * node; row < dim * node + dim; ++row) {
     double even = 0;
     double weighted = 0;
     tissue_.along_row(row, [&](int of, double value) {
       const auto column = static_cast<std::size_t>(of);
-      const double entry = std::abs(value) * inverse_root_[column / 2];
+      const double entry = std::abs(value) * inverse_root_[column / width];
       even += entry;
       weighted += entry * weights_[column];
     });

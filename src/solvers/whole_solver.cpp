@@ -9,6 +9,7 @@
 #include "stylet/petsc/session.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string_view>
@@ -58,10 +59,17 @@ void widen_smoother(PC pc) {
   check(PetscOptionsSetValue(nullptr, option, "0,0.1,0,1.3"));
 }
 
-SolverKind kind_for(MPI_Comm comm, PetscInt n_dofs) {
+SolverKind kind_for(MPI_Comm comm, Mat a) {
   const double memory =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  int kind = static_cast<int>(solver_for(n_dofs, size_of(comm), ranks_on_a_machine(), memory));
+  PetscInt n_dofs = 0;
+  PetscInt dim = 0;
+  MatInfo info;
+  check(MatGetSize(a, &n_dofs, nullptr));
+  check(MatGetBlockSize(a, &dim));
+  check(MatGetInfo(a, MAT_GLOBAL_SUM, &info));
+  const double factor = factor_bytes(dim, n_dofs, info.nz_used / n_dofs);
+  int kind = static_cast<int>(solver_for(factor, size_of(comm), ranks_on_a_machine(), memory));
   // The machine with the least room decides.
   MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm);
   return static_cast<SolverKind>(kind);
@@ -69,10 +77,15 @@ SolverKind kind_for(MPI_Comm comm, PetscInt n_dofs) {
 
 }  // namespace
 
-SolverKind solver_for(PetscInt n_dofs, int ranks, int ranks_of_machine, double machine_memory) {
+double factor_bytes(int dim, double n_dofs, double entries_a_row) {
   // Measured on meshes of 1e5 to 1e6 triangles; n log n, so more than enough on smaller ones.
   constexpr double bytes_a_dof = 2400;
-  const double factor = bytes_a_dof * n_dofs;
+  if (dim == 2) return bytes_a_dof * n_dofs;
+  // Nested dissection in space, measured on 1e4 to 3e5 tetrahedra of both kinds (jobs/README.md).
+  return entries_a_row * std::pow(n_dofs, 1.46);
+}
+
+SolverKind solver_for(double factor, int ranks, int ranks_of_machine, double machine_memory) {
   const double room = 0.5 * machine_memory;
   if (factor * ranks_of_machine < room) return SolverKind::factor_everywhere;
   if (ranks > 1 && 2 * factor * ranks_of_machine / ranks < room) {
@@ -82,7 +95,7 @@ SolverKind solver_for(PetscInt n_dofs, int ranks, int ranks_of_machine, double m
 }
 
 WholeSolver::WholeSolver(MPI_Comm comm, PetscInt n_dofs)
-    : comm_(comm), n_dofs_(n_dofs), kind_(kind_for(comm, n_dofs)), cholesky_(comm, n_dofs) {}
+    : comm_(comm), n_dofs_(n_dofs), cholesky_(comm, n_dofs) {}
 
 PetscErrorCode WholeSolver::set_up(PC shell) {
   return guard([&] {
@@ -117,9 +130,10 @@ void WholeSolver::configure() {
   PC pc = nullptr;
   check(KSPGetPC(ksp_.get(), &pc));
   const bool another_factor = value_of("-pc_factor_mat_solver_type").has_value();
-  if (kind_ == SolverKind::multigrid && !another_factor) {
+  const SolverKind kind = kind_for(comm_, a_);
+  if (kind == SolverKind::multigrid && !another_factor) {
     check(PCSetType(pc, PCGAMG));
-  } else if (kind_ == SolverKind::factor_distributed || another_factor) {
+  } else if (kind == SolverKind::factor_distributed || another_factor) {
     check(PCSetType(pc, PCCHOLESKY));
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   } else {

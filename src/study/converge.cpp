@@ -9,6 +9,7 @@
 #include "stylet/scene/check.hpp"
 #include "stylet/scene/writer.hpp"
 #include "stylet/simulation/accuracy.hpp"
+#include "stylet/simulation/point_text.hpp"
 #include "stylet/study/field_sample.hpp"
 #include "stylet/study/levels.hpp"
 #include "stylet/study/pool.hpp"
@@ -51,8 +52,9 @@ std::vector<std::string> quantities_of(const Scene& scene) {
   }
   if (!scene.needles.empty() || scene.procedure) paths.emplace_back("peak_needle_force");
   for (const auto& probe : scene.probes) {
-    for (const char* component : {".0", ".1"})
-      paths.push_back(below("probes", probe.name) + component);
+    for (int k = 0; k < scene.dim(); ++k) {
+      paths.push_back(below("probes", probe.name) + "." + std::to_string(k));
+    }
   }
   if (paths.empty()) {
     throw InputError(scene.file + ": nothing to converge: the scene has no needle and no probes");
@@ -183,7 +185,7 @@ class Study {
   }
 
   [[nodiscard]] std::vector<std::string> columns() const {
-    std::vector<std::string> names{"run", "status", "refine", "step [s]", "n_triangles"};
+    std::vector<std::string> names{"run", "status", "refine", "step [s]", n_cells_};
     names.insert(names.end(), result_.quantities.begin(), result_.quantities.end());
     names.insert(names.end(), {"error", "wall_time [s]"});
     return names;
@@ -203,7 +205,7 @@ class Study {
 
   [[nodiscard]] double cost(int run) const {
     const Level& level = result_.runs[static_cast<std::size_t>(run)].level;
-    return std::pow(4.0, level.refine) / level.step;
+    return std::pow(2.0, scene_.dim() * level.refine) / level.step;
   }
 
   void run_missing(Pool& pool, ResultsFile& results) {
@@ -223,6 +225,9 @@ class Study {
         tasks,
         [&](int task, MPI_Comm group, const Poll& poll) {
           own_cost = cost(task);
+          const Level& level = result_.runs[static_cast<std::size_t>(task)].level;
+          progress.note("level with mesh.refine " + std::to_string(level.refine) +
+                        " and time.step " + brief(level.step) + " s");
           return measure(static_cast<std::size_t>(task), group, poll);
         },
         [&](int task, const std::string& text) {
@@ -269,7 +274,7 @@ class Study {
     }
     return Json{{"error", run.error},
                 {"seconds", run.seconds},
-                {"n_triangles", run.error.empty() ? run.summary["n_triangles"] : Json(0)},
+                {"n_cells", run.error.empty() ? run.summary.at(n_cells_) : Json(0)},
                 {"values", values}}
         .dump();
   }
@@ -279,7 +284,7 @@ class Study {
     const auto error = result["error"].get<std::string>();
     std::vector<std::string> row{id_of(task), error.empty() ? "done" : "failed",
                                  std::to_string(level.refine), exact(level.step),
-                                 std::to_string(result["n_triangles"].get<int>())};
+                                 std::to_string(result["n_cells"].get<int>())};
     for (const Json& value : result["values"]) {
       row.push_back(value.is_number() ? exact(value.get<double>()) : "");
     }
@@ -292,7 +297,7 @@ class Study {
   void read_back() {
     const std::string path = result_.folder + "/results.csv";
     const Table table = read_csv(path, read_on_all(comm_, path));
-    const std::size_t first_value = table.column("n_triangles") + 1;
+    const std::size_t first_value = table.column(n_cells_) + 1;
     for (const auto& row : table.rows) {
       LevelRun& run = result_.runs.at(std::stoul(row[0]));
       if (row[1] != "done") {
@@ -301,7 +306,7 @@ class Study {
                              exact(1e3 * run.level.step) +
                              " ms failed: " + row[table.column("error")]);
       }
-      run.n_triangles = std::stoi(row[table.column("n_triangles")]);
+      run.n_cells = std::stoi(row[table.column(n_cells_)]);
       run.seconds = std::stod(row[table.column("wall_time [s]")]);
       run.values.clear();
       for (std::size_t q = 0; q < result_.quantities.size(); ++q) {
@@ -342,6 +347,7 @@ class Study {
   MPI_Comm comm_;
   const Scene& scene_;
   const ConvergeOptions& options_;
+  const std::string n_cells_ = "n_" + scene_.cells();
   Convergence result_;
   MeshFiles meshes_;
 };

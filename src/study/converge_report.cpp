@@ -18,7 +18,7 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Json json_of(const Convergence& result, std::size_t s, std::size_t q) {
+Json json_of(const Scene& scene, const Convergence& result, std::size_t s, std::size_t q) {
   const Extrapolation& e = result.extrapolations[s][q];
   Json entry{{"order", number(e.order)}, {"limit", e.limit},   {"safety", e.safety},
              {"scatter", e.scatter},     {"remark", e.remark}, {"levels", Json::array()}};
@@ -27,7 +27,7 @@ Json json_of(const Convergence& result, std::size_t s, std::size_t q) {
     const LevelRun& run = result.runs[series.runs[i]];
     entry["levels"].push_back({{"refine", run.level.refine},
                                {"step", run.level.step},
-                               {"n_triangles", run.n_triangles},
+                               {"n_" + scene.cells(), run.n_cells},
                                {"value", run.values[q]},
                                {"uncertainty", e.uncertainty[i]}});
   }
@@ -35,7 +35,7 @@ Json json_of(const Convergence& result, std::size_t s, std::size_t q) {
 }
 
 /// One level says nothing about what was not refined.
-Json not_studied(const LevelRun& run, std::size_t q) {
+Json not_studied(const Scene& scene, const LevelRun& run, std::size_t q) {
   return {{"order", Json()},
           {"limit", run.values[q]},
           {"safety", 0},
@@ -44,7 +44,7 @@ Json not_studied(const LevelRun& run, std::size_t q) {
           {"levels",
            {{{"refine", run.level.refine},
              {"step", run.level.step},
-             {"n_triangles", run.n_triangles},
+             {"n_" + scene.cells(), run.n_cells},
              {"value", run.values[q]},
              {"uncertainty", 0}}}}};
 }
@@ -56,14 +56,15 @@ Json study_json(const Scene& scene,
   for (const auto& run : result.runs) {
     study["runs"].push_back({{"refine", run.level.refine},
                              {"step", run.level.step},
-                             {"n_triangles", run.n_triangles},
+                             {"n_" + scene.cells(), run.n_cells},
                              {"seconds", run.seconds}});
   }
   for (std::size_t q = 0; q < result.quantities.size(); ++q) {
     Json& entry = study["quantities"][result.quantities[q]];
-    for (const char* name : {"mesh", "step"}) entry[name] = not_studied(result.runs.front(), q);
+    for (const char* name : {"mesh", "step"})
+      entry[name] = not_studied(scene, result.runs.front(), q);
     for (std::size_t s = 0; s < result.series.size(); ++s) {
-      entry[result.series[s].name] = json_of(result, s, q);
+      entry[result.series[s].name] = json_of(scene, result, s, q);
     }
   }
   for (std::size_t s = 0; s < result.series.size(); ++s) {
@@ -84,15 +85,15 @@ std::pair<double, const char*> shown_in(const std::string& quantity) {
 void print(const Scene& scene, const Convergence& result, const std::string& mesh_fingerprint) {
   for (std::size_t s = 0; s < result.series.size(); ++s) {
     const Series& series = result.series[s];
-    std::printf("%s refined\n%10s  %9s  %9s", series.name.c_str(), "triangles", "step (ms)",
-                "time (s)");
+    std::printf("%s refined\n%10s  %9s  %9s", series.name.c_str(), scene.cells().c_str(),
+                "step (ms)", "time (s)");
     for (const auto& quantity : result.quantities) {
       std::printf("  %26s", (quantity + " (" + shown_in(quantity).second + ")").c_str());
     }
     std::printf("%s\n", result.moments.empty() ? "" : "  u against the finest");
     for (std::size_t i = 0; i < series.runs.size(); ++i) {
       const LevelRun& run = result.runs[series.runs[i]];
-      std::printf("%10d  %9.4g  %9.3g", run.n_triangles, 1e3 * run.level.step, run.seconds);
+      std::printf("%10d  %9.4g  %9.3g", run.n_cells, 1e3 * run.level.step, run.seconds);
       for (std::size_t q = 0; q < run.values.size(); ++q) {
         const double factor = shown_in(result.quantities[q]).first;
         char text[64];

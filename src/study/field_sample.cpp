@@ -18,26 +18,47 @@ MeshData mesh_data(const FieldSample& sample) {
   MeshData data;
   data.coordinates = sample.coordinates;
   data.cells = sample.cells;
-  data.cell_region.assign(sample.cells.size() / 3, 0);
+  data.dim = sample.dim;
+  data.cell_region.assign(static_cast<std::size_t>(data.n_cells()), 0);
   data.region_names = {"tissue"};
   return data;
 }
 
-Vector2 value_at(const FieldSample& sample, const Mesh& mesh, const EmbeddedPoint& point) {
-  Vector2 value{};
+Vector3 value_at(const FieldSample& sample, const Mesh& mesh, const EmbeddedPoint& point) {
+  const auto dim = static_cast<std::size_t>(sample.dim);
+  double value[3] = {0, 0, 0};
   const auto nodes = mesh.cell(point.cell);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto node = 2 * static_cast<std::size_t>(nodes[k]);
-    value.x += point.weights[k] * sample.u[node];
-    value.y += point.weights[k] * sample.u[node + 1];
+  for (std::size_t corner = 0; corner <= dim; ++corner) {
+    const double* u = &sample.u[dim * static_cast<std::size_t>(nodes[corner])];
+    for (std::size_t k = 0; k < dim; ++k) value[k] += point.weights[corner] * u[k];
   }
-  return value;
+  return {value[0], value[1], value[2]};
+}
+
+// Points and weights that are alike, exact for quadratics: the middles of a triangle's edges; of a
+// tetrahedron, Keast, Comput. Methods Appl. Mech. Engng 55 (1986) 339.
+EmbeddedPoint quadrature_point(const Mesh& mesh, int c, std::size_t corner) {
+  const auto n = mesh.cell(c);
+  if (mesh.dim() == 2) {
+    EmbeddedPoint point{midpoint(mesh.point(n[corner]), mesh.point(n[(corner + 1) % 3])), c, {}};
+    point.weights[corner] = point.weights[(corner + 1) % 3] = 0.5;
+    return point;
+  }
+  const double root = std::sqrt(5.0);
+  EmbeddedPoint point{{}, c, {}};
+  point.weights.fill((5 - root) / 20);
+  point.weights[corner] = (5 + 3 * root) / 20;
+  for (std::size_t k = 0; k < 4; ++k) {
+    point.x = point.x + point.weights[k] * (mesh.place(n[k]) - ReferencePlace{});
+  }
+  return point;
 }
 
 }  // namespace
 
 void archive(Archive& archive, FieldSample& sample) {
-  auto& [time, coordinates, cells, u] = sample;
+  auto& [time, coordinates, cells, u, dim] = sample;
+  archive("dim", dim);
   archive("time", time);
   archive("coordinates", coordinates);
   archive("cells", cells);
@@ -50,6 +71,7 @@ FieldSample field_now(const Simulation& simulation) {
   sample.coordinates = simulation.mesh().data().coordinates;
   sample.cells = simulation.mesh().data().cells;
   sample.u = gather_all(simulation.state().u.get());
+  sample.dim = simulation.mesh().dim();
   return sample;
 }
 
@@ -59,7 +81,8 @@ void write_fields(const std::string& path, const std::vector<FieldSample>& sampl
     document.push_back({{"time", sample.time},
                         {"coordinates", sample.coordinates},
                         {"cells", sample.cells},
-                        {"u", sample.u}});
+                        {"u", sample.u},
+                        {"dim", sample.dim}});
   }
   const auto bytes = nlohmann::json::to_cbor(document);
   TextFile file(path);
@@ -74,9 +97,10 @@ std::vector<FieldSample> read_fields(const std::string& path) {
   std::vector<FieldSample> samples;
   try {
     for (const auto& entry : nlohmann::json::from_cbor(file)) {
-      samples.push_back(
-          {entry.at("time").get<double>(), entry.at("coordinates").get<std::vector<double>>(),
-           entry.at("cells").get<std::vector<int>>(), entry.at("u").get<std::vector<double>>()});
+      samples.push_back({entry.at("time").get<double>(),
+                         entry.at("coordinates").get<std::vector<double>>(),
+                         entry.at("cells").get<std::vector<int>>(),
+                         entry.at("u").get<std::vector<double>>(), entry.value("dim", 2)});
     }
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path + ": holds no fields: " + error.what());
@@ -91,19 +115,17 @@ double relative_distance(const FieldSample& coarse, const FieldSample& fine) {
   double size = 0;
   int hint = 0;
   for (int c = 0; c < fine_mesh.n_cells(); ++c) {
-    const auto nodes = fine_mesh.cell(c);
-    const double weight = fine_mesh.cell_measure(c) / 3;
-    for (std::size_t k = 0; k < 3; ++k) {  // the middles of the edges
-      EmbeddedPoint here{
-          midpoint(fine_mesh.point(nodes[k]), fine_mesh.point(nodes[(k + 1) % 3])), c, {}};
-      here.weights[k] = here.weights[(k + 1) % 3] = 0.5;
+    const auto n_points = static_cast<std::size_t>(fine.dim) + 1;
+    const double weight = fine_mesh.cell_measure(c) / static_cast<double>(n_points);
+    for (std::size_t k = 0; k < n_points; ++k) {
+      const EmbeddedPoint here = quadrature_point(fine_mesh, c, k);
       const auto there = locate(coarse_mesh, here.x, hint);
       if (!there) throw InputError("the fields to be compared are not of the same tissue");
       hint = there->cell;
-      const Vector2 a = value_at(fine, fine_mesh, here);
-      const Vector2 b = value_at(coarse, coarse_mesh, *there);
-      difference += weight * ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y));
-      size += weight * (a.x * a.x + a.y * a.y);
+      const Vector3 a = value_at(fine, fine_mesh, here);
+      const Vector3 b = value_at(coarse, coarse_mesh, *there);
+      difference += weight * dot(a - b, a - b);
+      size += weight * dot(a, a);
     }
   }
   return size > 0 ? std::sqrt(difference / size) : 0;

@@ -21,8 +21,8 @@ void require_levels(MPI_Comm comm,
   check_against_mesh(turned, numbered.mesh);
   constexpr double beyond_all = 1000;
   const int finest = static_cast<int>(std::min(refine, beyond_all));
-  const double source = numbered.mesh.n_cells() / std::pow(4.0, scene.mesh.refine);
-  const Room room = room_for(comm, scene.time, source, finest);
+  const double source = numbered.mesh.n_cells() / std::pow(2.0, scene.dim() * scene.mesh.refine);
+  const Room room = room_for(comm, scene, source, finest);
   if (!room.lack.empty()) {
     const int spare = finest - room.finest;  // levels
     throw InputError(verb + ": --mesh-levels: the finest mesh, with mesh.refine " + brief(refine) +

@@ -85,6 +85,17 @@ class Insertion {
 double smallest_height(const Mesh& mesh) {
   double smallest = std::numeric_limits<double>::infinity();
   for (int c = 0; c < mesh.n_cells(); ++c) {
+    if (mesh.dim() == 3) {
+      const auto t = mesh.tetrahedron(c);
+      double largest = 0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const ReferencePlace a = t[(i + 1) % 4];
+        const Vector3 twice = cross(t[(i + 2) % 4] - a, t[(i + 3) % 4] - a);
+        largest = std::max(largest, 0.5 * norm(twice));
+      }
+      smallest = std::min(smallest, 3 * mesh.cell_measure(c) / largest);
+      continue;
+    }
     const auto n = mesh.cell(c);
     double longest = 0;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -60,8 +60,10 @@ void publish_tissue(const LiveRun& run, Colouring colouring, Frame& frame) {
     }
   }
   frame.mesh_version = mesh.version();
-  frame.membrane = simulation.body().world(simulation.membrane());
-  for (auto& vertex : frame.membrane) vertex = turn.to_scene(vertex);
+  frame.membrane.clear();
+  for (const WorldPlace& vertex : simulation.body().world(simulation.membrane())) {
+    frame.membrane.push_back(turn.to_scene(vertex.in_plane()));
+  }
 }
 
 void publish_needle(const LiveRun& run, Frame& frame) {
@@ -105,13 +107,13 @@ void publish_seeds(const LiveRun& run, Frame& frame) {
   }
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Seed& seed = simulation.seeds()[i];
-    ShownSeed shown{turn.to_scene(world[i]), seed.needle, seed.target};
+    ShownSeed shown{turn.to_scene(world[i].in_plane()), seed.needle, seed.target};
     shown.turned_over = seed.turned_over;
     const auto target = std::ranges::find(targets, seed.target, &Target::name);
     if (target != targets.end()) {
       shown.error_now = norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y});
       // Linear tissue that nothing acts on goes back to where it was (src/MODEL.md, section 9).
-      if (comes_to_rest) shown.error_at_rest = distance(places[i].x, target->point);
+      if (comes_to_rest) shown.error_at_rest = distance(places[i].x.in_plane(), target->point);
       if (seed.turned_over == 0) shown.band = run.band(seed.target);
       frame.targets[static_cast<std::size_t>(target - targets.begin())].has_seed = true;
     }

@@ -89,7 +89,7 @@ int n_pressure_modes(MeshData data, const std::vector<std::string>& held_curves)
   const auto n = static_cast<std::size_t>(mesh.n_nodes());
   std::vector<std::vector<double>> b(n, std::vector<double>(2 * n, 0.0));
   for (std::size_t node = 0; node < n; ++node) {
-    const auto patches = volume_patches(mesh, static_cast<int>(node), [](int) { return 1.0; });
+    const auto patches = volume_patches<2>(mesh, static_cast<int>(node), [](int) { return 1.0; });
     for (std::size_t i = 0; i < patches[0].nodes.size(); ++i) {
       for (std::size_t k = 0; k < 2; ++k) {
         const int dof = 2 * patches[0].nodes[i] + static_cast<int>(k);

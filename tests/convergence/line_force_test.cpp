@@ -37,7 +37,7 @@ double stuck_force(int n, const std::string& diagonals) {
       MPI_COMM_WORLD,
       square(n, diagonals, {"prescribed=[{curve: line, displacement: [-1 m, 0 m]}]"}), false);
   run_to_end(simulation);
-  const Vector2 force = simulation.body().curve_reaction(0);
+  const Vector3 force = simulation.body().curve_reaction(0);
   // The other component vanishes by symmetry of the problem, though not of the mesh.
   EXPECT_LT(std::abs(force.y), 0.02 * std::abs(force.x));
   return -force.x;

@@ -89,7 +89,7 @@ Errors solve(int n, Plane plane, Diagonals diagonals) {
   Slab body(rectangle({.columns = n, .rows = n, .jitter = 0.15, .diagonals = diagonals}),
             material(elastic, plane));
   const Mesh& mesh = body.mesh;
-  const Moduli m = plane_moduli(elastic, plane);
+  const Moduli m = moduli_of(elastic, plane);
   std::vector<double> force(static_cast<std::size_t>(body.tissue.n_dofs()), 0.0);
   integrate(mesh, [&](int c, ReferencePoint p, const std::array<double, 3>& at, double weight) {
     const Vector2 f = body_force(p, m);

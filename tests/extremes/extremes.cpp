@@ -26,7 +26,8 @@ void scale(Scene& scene, double factor) {
     region.material.youngs_modulus *= factor;
     region.material.density *= factor;
   }
-  for (auto& traction : scene.tractions) traction.force = factor * traction.force;
+  for (auto& traction : scene.tractions)
+    traction.force = factor * Vector2{traction.force.x, traction.force.y};
   if (scene.membrane) scene.membrane->puncture_force *= factor;
   for (auto& needle : scene.needles) {
     needle.cutting.cutting_force *= factor;

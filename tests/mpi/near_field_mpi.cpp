@@ -120,6 +120,9 @@ INSTANTIATE_TEST_SUITE_P(Options,
 // By what it takes of the memory: numbers of dofs around each limit.
 TEST(SolverChoice, IsByTheRoomThatAFactorTakes) {
   constexpr double machine = 16e9;  // half of it has room for 3.3e6 dofs at 2400 bytes
+  const auto solver_for = [](double n_dofs, int ranks, int ranks_of_machine, double memory) {
+    return stylet::solver_for(factor_bytes(2, n_dofs, 14), ranks, ranks_of_machine, memory);
+  };
   EXPECT_EQ(solver_for(3'300'000, 1, 1, machine), SolverKind::factor_everywhere);
   EXPECT_EQ(solver_for(3'400'000, 1, 1, machine), SolverKind::multigrid);
   EXPECT_EQ(solver_for(1'600'000, 2, 2, machine), SolverKind::factor_everywhere);
@@ -128,6 +131,9 @@ TEST(SolverChoice, IsByTheRoomThatAFactorTakes) {
   EXPECT_EQ(solver_for(3'000'000, 8, 2, machine), SolverKind::factor_distributed);
   EXPECT_EQ(solver_for(6'000'000, 8, 2, machine), SolverKind::factor_distributed);
   EXPECT_EQ(solver_for(7'000'000, 8, 2, machine), SolverKind::multigrid);
+  // In space a dof takes the more the larger the mesh is.
+  EXPECT_GT(factor_bytes(3, 1e5, 42), 15 * factor_bytes(3, 1e4, 42));
+  EXPECT_GT(factor_bytes(3, 1e5, 180), 2 * factor_bytes(3, 1e5, 42));
 }
 
 // The distance from the needle at which loads and prescribed displacements act makes no difference.

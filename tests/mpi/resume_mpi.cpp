@@ -186,6 +186,30 @@ INSTANTIATE_TEST_SUITE_P(
         std::vector<std::string>{"time.step=5 ms", "time.method=explicit",
                                  "tissue.damping.stiffness_factor=0.02 ms", "loaded"}));
 
+const char* const in_space = R"(
+mesh: {box: {size: [4 cm, 3 cm, 2 cm], columns: 4, rows: 3, layers: 2, jitter: 0.2}}
+tissue:
+  regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.45, density: 1000 kg/m^3}}
+  formulation: p1_averaged
+supports: {left: fixed, bottom: roller}
+loads: {body: [{force: [0 N/m^3, 0 N/m^3, -1 kN/m^3]}]}
+prescribed: [{surface: right, displacement: [null, null, 1 mm], ramp: 20 ms}]
+probes: {inside: [1.3 cm, 1.9 cm, 0.7 cm]}
+)";
+
+TEST(ResumeInSpace, GoesOnWithTheSameBits) {
+  for (const std::string time :
+       {"{method: implicit, step: 5 ms, duration: 40 ms}",
+        "{method: implicit, scheme: generalised_alpha, step: 5 ms, duration: 40 ms}",
+        "{method: quasi_static, step: 5 ms, duration: 40 ms}",
+        "{method: explicit, step: 2 ms, duration: 10 ms}"}) {
+    const Scene scene = scene_of(in_space, {"time=" + time});
+    const int steps = interrupt_every_step(
+        [&] { return std::make_unique<Simulation>(MPI_COMM_WORLD, scene, true); });
+    EXPECT_GE(steps, 5) << time;
+  }
+}
+
 ProcedureRow move(double speed, double duration) {
   ProcedureRow row{ProcedureRow::Kind::move};
   row.speed = speed;

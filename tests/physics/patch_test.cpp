@@ -21,7 +21,7 @@ Vector2 linear_field(ReferencePoint x) {
 }
 
 // Stress by the textbook formulas in E and nu.
-PlaneStress exact_stress(Plane plane) {
+Stress exact_stress(Plane plane) {
   const double e = elastic.youngs_modulus;
   const double nu = elastic.poisson_ratio;
   const double shear = e / (2 * (1 + nu)) * (h_xy + h_yx);
@@ -38,7 +38,7 @@ void expect_patch_test(const Slab& body, Plane plane) {
   const OwnedVec u = nodal(body.tissue, body.mesh, linear_field);
   const auto force = product(body.tissue, body.tissue.stiffness(), u.get());
   const double size = largest(force);
-  const PlaneStress stress = exact_stress(plane);
+  const Stress stress = exact_stress(plane);
   double moment[2][2] = {};
   for (int node = 0; node < body.mesh.n_nodes(); ++node) {
     const auto x = body.mesh.coordinates(node);
@@ -86,7 +86,7 @@ TEST_P(Patch, LinearFieldIsExactOnAJitteredMesh) {
 
 TEST_P(Patch, StressOfALinearFieldIsConstant) {
   const Slab body = jittered(GetParam());
-  const PlaneStress exact = exact_stress(GetParam().plane);
+  const Stress exact = exact_stress(GetParam().plane);
   const auto all = gather_all(nodal(body.tissue, body.mesh, linear_field).get());
   const double tolerance = round_off * std::abs(exact.xx);
   for (int c = 0; c < body.mesh.n_cells(); ++c) {

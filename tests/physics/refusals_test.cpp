@@ -266,7 +266,7 @@ TEST(Refusal, ASceneMadeInCodeIsCheckedAsOneFromAFileIs) {
        }},
       {"prescribed=[{curve: right, displacement: [null, null]}]",
        [](Scene& s) {
-         s.prescribed = {{"right", {}, 0, 0}};
+         s.prescribed = {{"right", {std::nullopt, std::nullopt}, 0, 0}};
        }},
   };
   for (const auto& [change, fault] : faults) {
@@ -292,9 +292,10 @@ TEST(Refusal, ASceneFromAFileIsNotCheckedASecondTime) {
 }
 
 TEST(Refusal, AMeshThatFindsNoRoomIsNotMade) {
-  const TimeParameters implicit;
-  TimeParameters explicit_steps;
-  explicit_steps.method = TimeMethod::explicit_newmark;
+  Scene implicit;
+  implicit.tissue.plane = Plane::stress;
+  Scene explicit_steps = implicit;
+  explicit_steps.time.method = TimeMethod::explicit_newmark;
   EXPECT_TRUE(room_for(MPI_COMM_WORLD, implicit, 1000, 0).lack.empty());
   const Room room = room_for(MPI_COMM_WORLD, implicit, 1000, 40);
   EXPECT_THAT(room.lack, testing::AllOf(HasSubstr("1.20893e+27 triangles, which need about"),

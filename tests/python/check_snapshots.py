@@ -137,11 +137,13 @@ def check_paraview(folder, file):
     expect(seen["n_points"] == len(mesh["coordinates"]), f"ParaView: {seen['n_points']} points")
     expect(seen["n_cells"] == len(mesh["connectivity"]), f"ParaView: {seen['n_cells']} cells")
     for step, warped in zip(steps, seen["warped"]):
-        points = file[text(step.attrs["mesh"])]["coordinates"][:] + step["u"][:, :2]
+        places = file[text(step.attrs["mesh"])]["coordinates"][:]
+        dim = places.shape[1]
+        points = places + step["u"][:, :dim]
         own = np.ravel(np.column_stack([points.min(axis=0), points.max(axis=0)]))
         # ParaView warps in the precision of the points; 1e-6 of the size is far below a pixel.
-        expect(np.allclose(warped[:4], own, atol=1e-6 * np.ptp(points)),
-               f"ParaView: {step.name} moves to {warped[:4]} instead of {own}")
+        expect(np.allclose(warped[:2 * dim], own, atol=1e-6 * np.ptp(points)),
+               f"ParaView: {step.name} moves to {warped[:2 * dim]} instead of {own}")
     if has_needle:
         n = sum(any(len(step.get(kind, {})) for kind in ("polylines", "point_sets")) for step in steps)
         expect(seen["needle_times"] == n, f"ParaView: {seen['needle_times']} needle times, not {n}")

@@ -22,6 +22,7 @@ namespace stylet {
 struct SourceOrder {
   std::vector<int> nodes;  ///< to store: of the source, by number of the run; to load: the way back
   std::vector<int> cells;
+  int dim = 2;  ///< dof = dim node + component
 };
 
 class Archive {

@@ -1,4 +1,4 @@
-// One explicit step on plain arrays of a rank's nodes; dof = 2 local node + component.
+// One explicit step on plain arrays of a rank's nodes; dof = dim local node + component.
 //
 // On one rank it is one pass over the mesh. Nodes are numbered so that triangles join near ones; block
 // by block of them, they are predicted just before the first triangle that reads them and get their
@@ -65,7 +65,13 @@ void accelerate(const ExplicitArrays& x,
                 const CellKernel& cells,
                 std::vector<double>& pressure,
                 StepSums& sums);
-/// Both in one pass, on one rank.
+/// The same in space, where `force` is K stretched already; it may be a.
+void predict_in_space(const ExplicitArrays& x,
+                      const ExplicitFactors& f,
+                      std::span<const GivenPlace> given,
+                      StepSums& sums);
+void accelerate_in_space(const ExplicitArrays& x, const ExplicitFactors& f, StepSums& sums);
+/// Both in one pass, on one rank, in the plane.
 void step(const ExplicitArrays& x,
           const ExplicitFactors& f,
           const CellKernel& cells,

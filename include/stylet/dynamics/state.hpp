@@ -9,7 +9,7 @@
 
 namespace stylet {
 
-/// Time and nodal displacement, velocity and acceleration (dof = 2 node + component).
+/// Time and nodal displacement, velocity and acceleration (dof = dim node + component).
 struct State {
   double t = 0;
   OwnedVec u;
@@ -17,7 +17,11 @@ struct State {
   OwnedVec a;
 };
 
-/// Both dofs of each node, in the order of the nodes.
-[[nodiscard]] std::vector<int> dofs_of(std::span<const int> nodes);
+/// All dofs of each node, in the order of the nodes.
+[[nodiscard]] std::vector<int> dofs_of(std::span<const int> nodes, int dim);
+/// In the plane, where needles are.
+[[nodiscard]] inline std::vector<int> dofs_of(std::span<const int> nodes) {
+  return dofs_of(nodes, 2);
+}
 
 }  // namespace stylet

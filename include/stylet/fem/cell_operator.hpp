@@ -1,5 +1,5 @@
-// Products with K and with the consistent mass, cell by cell: the numbers that the assembled matrices
-// give, from a fraction of their bytes.
+// Products with K and with the consistent mass. In the plane cell by cell: the numbers that the
+// assembled matrices give, from a fraction of their bytes. In space by those matrices.
 #pragma once
 
 #include "stylet/fem/cell_kernel.hpp"
@@ -25,6 +25,7 @@ class CellOperator {
   /// Collective. kx = K x and mz = M z, in one pass where M is consistent.
   void stiffness_and_mass(Vec x, Vec z, Vec kx, Vec mz);
 
+  /// 2D.
   [[nodiscard]] const CellKernel& kernel() const { return cells_; }
   /// A vector of dofs with the ghosts of the kernel.
   [[nodiscard]] OwnedVec make_ghosted() const;

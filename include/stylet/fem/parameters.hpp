@@ -8,7 +8,7 @@
 namespace stylet {
 
 enum class Plane { stress, strain };
-/// p1: the paper's triangle; p1_averaged: its dilatation is averaged around the nodes, so that it does
+/// p1: the paper's triangle, or the linear tetrahedron; p1_averaged: its dilatation is averaged around the nodes, so that it does
 /// not lock (volume_patch.hpp).
 enum class Formulation { p1, p1_averaged };
 enum class MassKind { consistent, lumped };
@@ -19,8 +19,8 @@ struct LinearElastic {
   double density = 0;  ///< kg/m^3
 };
 
-/// True where plain triangles resist a change of shape by several times too much in plane strain.
-inline bool locks_in_plane_strain(const LinearElastic& material) {
+/// True where plain cells resist a change of shape by several times too much in plane strain or space.
+inline bool locks(const LinearElastic& material) {
   return material.poisson_ratio > 0.45;
 }
 
@@ -36,12 +36,16 @@ struct RegionTissue {
 };
 
 struct TissueParameters {
-  Plane plane = Plane::stress;
-  double thickness = 0.01;  ///< out of plane (m)
+  std::optional<Plane> plane = Plane::stress;  ///< none: tetrahedra in space
+  double thickness = 0.01;                     ///< out of plane (m); in space it counts for nothing
   Formulation formulation = Formulation::p1;
   MassKind mass = MassKind::consistent;
   std::vector<RegionTissue> regions;
   std::optional<RayleighDamping> damping;
+
+  [[nodiscard]] int dim() const { return plane ? 2 : 3; }
+  /// What makes volumes of measures of cells: the thickness (m), or 1 in space.
+  [[nodiscard]] double depth() const { return plane ? thickness : 1; }
 };
 
 }  // namespace stylet

@@ -45,7 +45,7 @@ enum class Stiffness { matrix, rows };
 
 class TissueOperator {
  public:
-  /// Collective. first_node: rank r owns nodes first_node[r] .. first_node[r+1]-1, dof = 2 node +
+  /// Collective. first_node: rank r owns nodes first_node[r] .. first_node[r+1]-1, dof = dim node +
   /// component. needs_flips(node): true where edges may be flipped later. keeps_regions: regions that
   /// are alike now may differ later (`change`). Throws InputError if a region of the mesh has no
   /// material or a material no region.
@@ -107,9 +107,11 @@ class TissueOperator {
 
   /// A vector of dofs with this layout. Collective.
   [[nodiscard]] OwnedVec make_vector() const;
-  [[nodiscard]] int first_dof() const { return 2 * begin_; }
-  [[nodiscard]] int end_dof() const { return 2 * end_; }
-  [[nodiscard]] int n_dofs() const { return 2 * first_node_.back(); }
+  /// Dofs a node: 2 in the plane, 3 in space.
+  [[nodiscard]] int dim() const { return dim_; }
+  [[nodiscard]] int first_dof() const { return dim_ * begin_; }
+  [[nodiscard]] int end_dof() const { return dim_ * end_; }
+  [[nodiscard]] int n_dofs() const { return dim_ * first_node_.back(); }
   [[nodiscard]] const std::vector<int>& first_node() const { return first_node_; }
   [[nodiscard]] bool owns(int node) const { return node >= begin_ && node < end_; }
 
@@ -127,39 +129,50 @@ class TissueOperator {
     Moduli moduli;
     double density;
   };
-  using PatchCache = std::unordered_map<int, std::vector<VolumePatch>>;
+  template <int Dim>
+  using PatchCache = std::unordered_map<int, std::vector<VolumePatch<Dim>>>;
   void take_materials(const Mesh& mesh);
   void make_pattern(const Mesh& mesh);
   void fill_all(const Mesh& mesh);
   void fill_rows(const Mesh& mesh, std::span<const int> owned_nodes);
   struct NodeRows {
     std::vector<int> columns;    ///< nodes, ascending
-    std::vector<double> values;  ///< two rows of K
+    std::vector<double> values;  ///< rows of K, one a component
   };
   struct Masses {
     std::vector<double> consistent;  ///< of mass_columns
     double lumped = 0;
   };
+  template <int Dim>
   void compute(const Mesh& mesh,
                int node,
                std::span<const int> mass_columns,
-               PatchCache& cache,
+               PatchCache<Dim>& cache,
                NodeRows& rows,
                Masses& masses) const;
   void fill(const Mesh& mesh, std::span<const int> owned_nodes);
+  template <int Dim>
+  void fill_matrices(const Mesh& mesh, std::span<const int> owned_nodes);
   [[nodiscard]] CellMaterial material(int cell) const;
   void remix(const Mesh& mesh, std::span<const int> cells);
   [[nodiscard]] bool averaged() const {
     return parameters_.formulation == Formulation::p1_averaged;
   }
-  [[nodiscard]] std::vector<VolumePatch> patches(const Mesh& mesh, int node) const;
+  template <int Dim>
+  [[nodiscard]] std::vector<VolumePatch<Dim>> patches(const Mesh& mesh, int node) const;
+  template <int Dim>
   void add_shared_volume(const Mesh& mesh,
                          int node,
                          std::span<const int> columns,
-                         PatchCache& cache,
+                         PatchCache<Dim>& cache,
                          std::vector<double>& rows) const;
+  template <int Dim>
+  [[nodiscard]] VolumetricState volumetric_in(const Mesh& mesh,
+                                              int cell,
+                                              std::span<const double> u) const;
 
   MPI_Comm comm_;
+  int dim_;
   std::vector<int> first_node_;
   int begin_ = 0;
   int end_ = 0;

@@ -19,4 +19,12 @@ void archive(Archive& archive, Point<Frame>& point) {
   archive("y", y);
 }
 
+template <class Frame>
+void archive(Archive& archive, SpacePoint<Frame>& point) {
+  auto& [x, y, z] = point;
+  archive("x", x);
+  archive("y", y);
+  archive("z", z);
+}
+
 }  // namespace stylet

@@ -28,6 +28,16 @@ class Rotation {
   [[nodiscard]] Vector2 to_scene(Vector2 v) const {
     return {-along_.x * v.x + along_.y * v.y, -along_.y * v.x - along_.x * v.y};
   }
+  /// About z.
+  [[nodiscard]] Vector3 to_scene(Vector3 v) const {
+    const Vector2 turned = to_scene(Vector2{v.x, v.y});
+    return {turned.x, turned.y, v.z};
+  }
+  template <class Frame>
+  [[nodiscard]] SpacePoint<Frame> to_scene(SpacePoint<Frame> p) const {
+    const Vector2 turned = to_scene(Vector2{p.x, p.y});
+    return {turned.x, turned.y, p.z};
+  }
   template <class Frame>
   [[nodiscard]] Point<Frame> to_needle(Point<Frame> p) const {
     const Vector2 v = to_needle(Vector2{p.x, p.y});

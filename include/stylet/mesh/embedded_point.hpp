@@ -15,16 +15,16 @@ namespace stylet {
 
 /// x = sum of weights times the corners of the cell.
 struct EmbeddedPoint {
-  ReferencePoint x;
+  ReferencePlace x;
   int cell = -1;
-  std::array<double, 3> weights{};
+  std::array<double, 4> weights{};  ///< the last one is 0 in 2D
 };
 
 void archive(Archive& archive, EmbeddedPoint& point);
 
 /// Walks from cell `hint` to the cell that holds x. None if x lies outside the tissue by more than
 /// round-off.
-[[nodiscard]] std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePoint x, int hint = 0);
+[[nodiscard]] std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePlace x, int hint = 0);
 
 /// Finds the points again whose cells were touched by an edit.
 void relocate(const Mesh& mesh,

@@ -7,6 +7,7 @@
 
 #include "stylet/base/archive.hpp"
 #include "stylet/geometry/points.hpp"
+#include "stylet/geometry/tetrahedron.hpp"
 #include "stylet/mesh/mesh_data.hpp"
 
 #include <array>
@@ -38,9 +39,19 @@ class Mesh {
     const auto width = static_cast<std::size_t>(data_.dim);
     return {data_.coordinates.data() + static_cast<std::size_t>(node) * width, width};
   }
+  /// 2D.
   [[nodiscard]] ReferencePoint point(int node) const {
     const auto x = coordinates(node);
     return {x[0], x[1]};
+  }
+  [[nodiscard]] ReferencePlace place(int node) const {
+    const auto x = coordinates(node);
+    return {x[0], x[1], dim() == 3 ? x[2] : 0};
+  }
+  /// Corners of a cell. 3D.
+  [[nodiscard]] Tetrahedron<ReferenceFrame> tetrahedron(int c) const {
+    const auto n = cell(c);
+    return {place(n[0]), place(n[1]), place(n[2]), place(n[3])};
   }
   [[nodiscard]] int region(int c) const { return data_.cell_region[static_cast<std::size_t>(c)]; }
   /// Cells around a node, ascending.
@@ -51,6 +62,8 @@ class Mesh {
   [[nodiscard]] std::vector<int> neighbours(int node) const;
   /// The cell beyond the edge a-b, seen from cell c; none at the boundary. 2D.
   [[nodiscard]] std::optional<int> across(int c, int a, int b) const;
+  /// The cell beyond the edge (3D: face) opposite to a corner, 0 to dim; none at the boundary.
+  [[nodiscard]] std::optional<int> beyond(int c, std::size_t corner) const;
   /// One or two cells that hold both nodes.
   [[nodiscard]] std::vector<int> cells_with(int a, int b) const;
   /// The node of a triangle that is neither a nor b.
@@ -61,24 +74,31 @@ class Mesh {
   }
   /// Nodes of the outer boundary and of locked curves must stay where they are.
   [[nodiscard]] bool is_locked(int node) const { return locked_[static_cast<std::size_t>(node)]; }
-  /// Locks the nodes and edges of a named curve that carries a condition or a load.
+  /// Locks the nodes (2D: and edges) of a named curve that carries a condition or a load.
   void lock_curve(const std::string& curve);
   /// True for edges of the outer boundary, of locked curves and between regions.
   [[nodiscard]] bool is_locked_edge(int a, int b) const;
-  /// Facets of a named curve as indices into data().facets (units of dim nodes); throws InputError
-  /// that lists the curves if the name is unknown.
+  /// Facets of a named curve (3D: surface) as indices into data().facets (units of dim nodes); throws
+  /// InputError that lists the curves if the name is unknown.
   [[nodiscard]] std::vector<int> facets_of(const std::string& curve) const;
+  /// Nodes of a facet (dim of them).
+  [[nodiscard]] std::span<const int> facet(int f) const {
+    const auto width = static_cast<std::size_t>(data_.dim);
+    return {data_.facets.data() + static_cast<std::size_t>(f) * width, width};
+  }
+  /// Length or area of a facet.
+  [[nodiscard]] double facet_measure(int f) const;
   [[nodiscard]] int region_index(const std::string& name) const;
   /// Distinct nodes of a named curve, ascending.
   [[nodiscard]] std::vector<int> nodes_of(const std::string& curve) const;
 
-  /// Length, area or volume of a cell; negative if inverted.
+  /// Area or volume of a cell; negative if inverted.
   [[nodiscard]] double cell_measure(int c) const;
-  /// Quality of a triangle, see geometry/triangle.hpp. 2D.
+  /// Quality of a cell, see geometry/triangle.hpp and geometry/tetrahedron.hpp.
   [[nodiscard]] double cell_quality(int c) const;
   [[nodiscard]] double worst_quality(std::span<const int> cells) const;
 
-  // Edits. Each raises version(); connectivity_version() rises with flips only.
+  // Edits, in 2D. Each raises version(); connectivity_version() rises with flips only.
   void move_node(int node, ReferencePoint to);
   /// Replaces the edge a-b of two triangles by the edge between their opposite nodes. Returns those
   /// nodes. The caller checks that the result is valid.

@@ -1,7 +1,8 @@
 // Fields on the whole mesh at chosen times: snapshots.h5, and two XDMF files for ParaView.
 //
 //   /                  program, version, format
-//   /mesh_000000       coordinates (n, 2) in m, connectivity (m, 3); attribute mesh_version
+//   /mesh_000000       coordinates (n, 2) in m, connectivity (m, 3), in space (n, 3) and (m, 4);
+//                      attribute mesh_version
 //   /step_000012       attributes time, phase, index and mesh (name of the mesh group);
 //                      one array a field, vectors with three components (z = 0)
 //   /step_000012/polylines/needle, /step_000012/point_sets/seeds     (n, 2) in m, world frame
@@ -59,14 +60,15 @@ struct PointSet {
 struct Snapshot {
   double time = 0;
   std::string phase = {};
-  std::span<const double> coordinates;  ///< reference frame, two a node, all nodes
-  std::span<const int> connectivity;    ///< three a cell, all cells
+  std::span<const double> coordinates;  ///< reference frame, `dim` a node, all nodes
+  std::span<const int> connectivity;    ///< dim + 1 a cell, all cells
   std::uint64_t mesh_version = 0;
   std::uint64_t connectivity_version = 0;
   std::vector<Field> fields = {};
   std::vector<FlagField> flags = {};
   std::vector<Polyline> polylines = {};
   std::vector<PointSet> point_sets = {};
+  int dim = 2;  ///< 3: tetrahedra
 };
 
 /// Everything is collective; rank 0 writes. Whenever a run is killed, its files can be read, and hold all

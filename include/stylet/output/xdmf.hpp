@@ -22,13 +22,13 @@ struct XdmfAttribute {
   StoredArray values;
 };
 
-/// Points in the plane and what connects them.
+/// Points in the plane or in space and what connects them.
 struct XdmfGrid {
-  enum class Shape { triangles, polyline, closed_polyline, points };
+  enum class Shape { triangles, tetrahedra, polyline, closed_polyline, points };
   std::string name;
   Shape shape = Shape::triangles;
-  StoredArray points;        ///< 2 columns
-  StoredArray connectivity;  ///< of triangles only
+  StoredArray points;        ///< 2 or 3 columns
+  StoredArray connectivity;  ///< of cells only
   std::vector<XdmfAttribute> attributes;
 };
 

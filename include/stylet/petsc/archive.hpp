@@ -9,7 +9,7 @@
 
 namespace stylet {
 
-/// Collective. A vector of dofs (2 node + component), in the order of the mesh's source.
+/// Collective. A vector of dofs (dim node + component), in the order of the mesh's source.
 void archive_field(Archive& archive, const std::string& name, Vec field);
 
 }  // namespace stylet

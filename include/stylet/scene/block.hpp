@@ -101,17 +101,40 @@ Field<Owner> field(const std::string& name,
           }};
 }
 
+/// Three members under one key, [first, second, third].
+template <class Owner>
+Field<Owner> field(const std::string& name,
+                   double Owner::*first,
+                   double Owner::*second,
+                   double Owner::*third,
+                   const Codec<std::array<double, 3>>& codec,
+                   const std::string& doc) {
+  return {described(codec.key, name, doc),
+          [=, read = codec.read](const Node& node, Owner& owner) {
+            std::array<double, 3> values{};
+            read(node, values);
+            owner.*first = values[0];
+            owner.*second = values[1];
+            owner.*third = values[2];
+          },
+          [=, write = codec.write](const Owner& owner) {
+            return std::optional(write({owner.*first, owner.*second, owner.*third}));
+          }};
+}
+
 /// Keys of which a block has at most one, or exactly one if `needed`.
 struct Exclusive {
   std::vector<std::string> names = {};
   bool needed = true;
 };
 
-/// Refuses everything but a map with known keys, all required ones and the rule kept.
-void require_block(const Node& node, const Key& key, const Exclusive& exclusive);
+/// Refuses everything but a map with known keys and all required ones.
+void require_block(const Node& node, const Key& key);
+void require_exclusive(const Node& node, const Exclusive& exclusive);
 
 template <class T>
-Codec<T> block(const std::vector<Field<T>>& fields, const Exclusive& exclusive = {}) {
+Codec<T> block_with_rules(const std::vector<Field<T>>& fields,
+                          const std::vector<Exclusive>& exclusive) {
   Key key{.form = Key::Form::block, .type = "block"};
   std::vector<std::pair<std::string, decltype(Field<T>::read)>> readers;
   std::vector<std::pair<std::string, decltype(Field<T>::write)>> writers;
@@ -126,7 +149,8 @@ Codec<T> block(const std::vector<Field<T>>& fields, const Exclusive& exclusive =
   }
   return {key,
           [key, exclusive, readers](const Node& node, T& value) {
-            require_block(node, key, exclusive);
+            require_block(node, key);
+            for (const Exclusive& rule : exclusive) require_exclusive(node, rule);
             for (const auto& [name, read] : readers) {
               if (const Node* child = node.find(name)) read(*child, value);
             }
@@ -138,6 +162,11 @@ Codec<T> block(const std::vector<Field<T>>& fields, const Exclusive& exclusive =
             }
             return node;
           }};
+}
+
+template <class T>
+Codec<T> block(const std::vector<Field<T>>& fields, const Exclusive& exclusive = {}) {
+  return block_with_rules<T>(fields, {exclusive});
 }
 
 /// A block without a struct of its own: its fields belong to the owner.

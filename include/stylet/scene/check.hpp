@@ -8,8 +8,8 @@
 namespace stylet {
 
 /// Everything a scene made in code has to keep: the range of every key and the rules. Throws
-/// InputError, as load_scene does, with scene.file as the place. load_scene has already done it, a Simulation
-/// does it for scenes without a document.
+/// InputError, as load_scene does, with scene.file as the place. load_scene has already done it, a
+/// Simulation does it for scenes without a document.
 void check(const Scene& scene);
 
 /// The same for a needle that enters by a hand's orders (LiveHand), whatever its `motion`: keys are

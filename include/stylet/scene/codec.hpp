@@ -4,7 +4,7 @@
 // halves the table would double in size at every level.
 #pragma once
 
-#include "stylet/geometry/points.hpp"
+#include "stylet/geometry/components.hpp"
 #include "stylet/scene/document.hpp"
 
 #include <array>
@@ -71,8 +71,15 @@ inline const Range not_negative{.min = 0};
 [[nodiscard]] Codec<std::string> path(const std::string& what);
 [[nodiscard]] Codec<std::pair<double, double>> pair(const std::string& si_unit, const Range& range);
 
-/// Two components of which either may be null.
-[[nodiscard]] Codec<std::array<std::optional<double>, 2>> components(const std::string& si_unit);
+[[nodiscard]] Codec<std::array<double, 3>> triple(const std::string& si_unit, const Range& range);
+
+/// How many components a vector has: as the scene, or always two or three.
+enum class Extent { plane_or_space, plane, space };
+[[nodiscard]] Codec<Components> vector(const std::string& si_unit,
+                                       Extent extent = Extent::plane_or_space);
+
+/// Two or three components of which any may be null.
+[[nodiscard]] Codec<std::vector<std::optional<double>>> components(const std::string& si_unit);
 
 /// The same value under a plainer type: a struct that has one member to be given.
 template <class T, class Inner>
@@ -95,6 +102,9 @@ Codec<T> point(const std::string& si_unit, const Range& range = anything) {
             return write({value.x, value.y});
           }};
 }
+
+/// A point of space.
+[[nodiscard]] Codec<ReferencePlace> place(const std::string& si_unit);
 
 template <class E>
 using Choices = std::vector<std::pair<std::string, E>>;

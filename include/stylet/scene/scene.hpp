@@ -3,13 +3,12 @@
 
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/fem/parameters.hpp"
-#include "stylet/geometry/points.hpp"
+#include "stylet/geometry/components.hpp"
 #include "stylet/mesh/parameters.hpp"
 #include "stylet/needle/parameters.hpp"
 #include "stylet/scene/document.hpp"
 #include "stylet/scene/procedure.hpp"
 
-#include <array>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -20,7 +19,8 @@ namespace stylet {
 
 enum class SupportKind { fixed, roller, free };
 
-/// A named boundary and how it is held. roller: no displacement along the outward normal.
+/// A named boundary (a curve, or a surface in space) and how it is held. roller: no displacement along
+/// the outward normal.
 struct Support {
   std::string curve;
   SupportKind kind = SupportKind::free;
@@ -28,25 +28,33 @@ struct Support {
 
 /// Force per volume (N/m^3) from `start` on.
 struct BodyForce {
-  Vector2 force;
+  Components force;
   double start = 0;  ///< s
 };
 
-/// Force per metre of a named curve (N/m) from `start` on.
+/// Force per metre of a named curve (N/m), or per area of a named surface (Pa), from `start` on.
 struct Traction {
   std::string curve;
-  Vector2 force;
+  Components force;
   double start = 0;  ///< s
 };
 
-/// A named curve moved by a given displacement; a component that is not given stays free. Reached
+/// A named curve or surface moved by a given displacement; a component that is not given stays free.
+/// Reached
 /// linearly over `ramp` after `start`.
 struct PrescribedCurve {
   std::string curve;
-  std::array<std::optional<double>, 2> displacement;  ///< m
-  double start = 0;                                   ///< s
-  double ramp = 0;                                    ///< s; 0: at once
+  std::vector<std::optional<double>> displacement;  ///< m; as many as there are dimensions
+  double start = 0;                                 ///< s
+  double ramp = 0;                                  ///< s; 0: at once
 };
+
+[[nodiscard]] inline bool moves(const PrescribedCurve& p) {
+  for (const auto& component : p.displacement) {
+    if (component.value_or(0) != 0) return true;
+  }
+  return false;
+}
 
 struct Target {
   std::string name;
@@ -71,7 +79,7 @@ struct ProcedureParameters {
 
 struct Probe {
   std::string name;
-  ReferencePoint point;
+  Components point;
 };
 
 /// When a run writes what it can go on from, beside when it is stopped.
@@ -101,7 +109,12 @@ struct StartParameters {
   std::string from;  ///< checkpoint, relative to the folder of the scene
 };
 
+/// Of the plane, or of space: without tissue.plane.
 struct Scene {
+  [[nodiscard]] int dim() const { return tissue.dim(); }
+  /// What its mesh is made of, in words and keys.
+  [[nodiscard]] std::string cells() const { return dim() == 2 ? "triangles" : "tetrahedra"; }
+
   std::string file;  ///< for messages; paths in the scene are relative to its folder
   MeshParameters mesh;
   TissueParameters tissue;

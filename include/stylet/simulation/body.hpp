@@ -70,7 +70,7 @@ class Body {
     return std::span(riders_).subspan(riders.first, riders.size);
   }
   /// Collective. World positions of embedded points.
-  [[nodiscard]] std::vector<WorldPoint> world(std::span<const EmbeddedPoint> points) const;
+  [[nodiscard]] std::vector<WorldPlace> world(std::span<const EmbeddedPoint> points) const;
 
   /// Collective. Rewrites mesh, operator and state. repaired: a path whose edges stay while flips mend
   /// the elements around the edits; null for none. Throws NumericalError where an element gets too thin.
@@ -116,7 +116,7 @@ class Body {
   /// Collective (m/s).
   [[nodiscard]] double largest_speed() const;
   /// Collective. Total force on the tissue (N) that a prescribed curve needed in the last step.
-  [[nodiscard]] Vector2 curve_reaction(std::size_t curve) const;
+  [[nodiscard]] Vector3 curve_reaction(std::size_t curve) const;
 
   /// Collective, between steps. Loaded into a body of the same scene, whose operator, factor and kernels
   /// are then made anew from what was loaded, with the moduli and the damping that the scene has by then.

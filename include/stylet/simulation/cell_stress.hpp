@@ -1,4 +1,4 @@
-// Stress and energy of a triangle, for what shows a run.
+// Stress and energy of a cell, for what shows a run.
 #pragma once
 
 #include "stylet/fem/material.hpp"
@@ -9,7 +9,7 @@
 namespace stylet {
 
 struct CellStress {
-  PlaneStress stress;         ///< in the scene's frame (Pa)
+  Stress stress;              ///< in the scene's frame (Pa)
   double pressure = 0;        ///< lambda tr(eps), averaged as the formulation does (Pa)
   double energy_density = 0;  ///< J/m^3
 };

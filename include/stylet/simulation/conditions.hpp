@@ -1,4 +1,4 @@
-// Supports, prescribed curves and loads of a scene, at any time.
+// Supports, prescribed curves (surfaces in space) and loads of a scene, at any time.
 #pragma once
 
 #include "stylet/mesh/mesh.hpp"
@@ -30,7 +30,7 @@ class Conditions {
   [[nodiscard]] bool load_changes(double t0, double t1) const;
   /// True if loads or prescribed displacements are not the same from t0 on to t1.
   [[nodiscard]] bool changes(double t0, double t1) const;
-  /// Nodal forces (N) at time t, dof = 2 node + component, all nodes. Empty if there is no load.
+  /// Nodal forces (N) at time t, dof = dim node + component, all nodes. Empty if there is no load.
   [[nodiscard]] std::vector<double> load(const Mesh& mesh, double t) const;
   [[nodiscard]] bool has_body_force() const { return !scene_.body_forces.empty(); }
   [[nodiscard]] bool has_load() const { return has_body_force() || !scene_.tractions.empty(); }
@@ -50,8 +50,9 @@ class Conditions {
   [[nodiscard]] bool is_held(int dof) const;
 
   const Scene& scene_;
+  int dim_;
   std::vector<int> held_;  ///< dofs of supports, ascending
-  std::vector<std::array<std::vector<int>, 2>> curve_dofs_;
+  std::vector<std::array<std::vector<int>, 3>> curve_dofs_;
   std::vector<HeldCorner> held_corners_;
 };
 

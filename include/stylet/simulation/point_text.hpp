@@ -27,9 +27,18 @@ std::string pair_text(const Scene& scene, Pair x, double factor = 1) {
   return "(" + brief(factor * cleared(p.x, size)) + ", " + brief(factor * cleared(p.y, size)) + ")";
 }
 
+/// The same of a vector (Vector3) or a place, with z in space.
+template <class Triple>
+std::string vector_text(const Scene& scene, Triple v, double factor = 1) {
+  const auto p = Rotation(scene.needle_angle).to_scene(v);
+  const double size = std::hypot(std::hypot(p.x, p.y), p.z);
+  const auto text = [&](double x) { return brief(factor * cleared(x, size)); };
+  return "(" + text(p.x) + ", " + text(p.y) + (scene.dim() == 3 ? ", " + text(p.z) : "") + ")";
+}
+
 /// '(0.08, 0.03) m'.
-inline std::string point_text(const Scene& scene, ReferencePoint x) {
-  return pair_text(scene, x) + " m";
+inline std::string point_text(const Scene& scene, ReferencePlace x) {
+  return vector_text(scene, x) + " m";
 }
 
 }  // namespace stylet

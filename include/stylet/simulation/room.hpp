@@ -9,24 +9,21 @@
 
 namespace stylet {
 
-/// Bytes that one rank needs for a mesh of so many triangles, about (jobs/README.md has what was measured):
-/// the mesh with its operators, and a factor where the steps need one.
-[[nodiscard]] double bytes_needed(const TimeParameters& time, double n_triangles);
+/// Bytes that one rank needs for a mesh of so many triangles or tetrahedra, about (jobs/README.md has
+/// what was measured): the mesh with its operators, and a factor where the steps need one.
+[[nodiscard]] double bytes_needed(const Scene& scene, double n_cells);
 
 /// What a refinement needs and what there is.
 struct Room {
   std::string lack;  ///< what is missing, in words; empty if the mesh fits
   int finest = -1;   ///< the largest refine that fits; -1: not even the mesh itself
 };
-/// Collective. n_triangles: of the mesh before it is refined. The ranks that share a machine share its
+/// Collective. n_cells: of the mesh before it is refined. The ranks that share a machine share its
 /// memory, and each holds the whole mesh.
-[[nodiscard]] Room room_for(MPI_Comm comm,
-                            const TimeParameters& time,
-                            double n_triangles,
-                            int refine);
+[[nodiscard]] Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine);
 
-/// Collective. Throws InputError where the scene's mesh, of so many triangles before it is refined, does
-/// not fit.
-void require_room(MPI_Comm comm, const Scene& scene, double n_triangles);
+/// Collective. Throws InputError where the scene's mesh, of so many cells before it is refined, does not
+/// fit.
+void require_room(MPI_Comm comm, const Scene& scene, double n_cells);
 
 }  // namespace stylet

@@ -1,8 +1,8 @@
-// How far a run is from small strain: the largest principal strain of any triangle.
+// How far a run is from small strain: the largest principal strain of any cell.
 //
 // At the tip of a needle, and in corners where a support ends, strain is the larger the finer the
 // mesh, in every run, and says little of the rest. So a strain that has a limit is kept beside it: the
-// one exceeded on a thousandth of the tissue's area, without what is near the needle. In the reference
+// one exceeded on a thousandth of the tissue, without what is near the needle. In the reference
 // scene on four meshes the largest strain is 0.7, 1.3, 2.8, 4.9.
 #pragma once
 
@@ -17,12 +17,12 @@ namespace stylet {
 struct StrainPeak {
   double value = 0;  ///< absolute value, dimensionless
   double time = 0;   ///< s
-  ReferencePoint place;
+  ReferencePlace place;
 };
 
 struct LargestStrain {
   StrainPeak anywhere;
-  /// Exceeded on a thousandth of the area, further than a tip_length from the needle's path.
+  /// Exceeded on a thousandth of the area (3D: volume), further than a tip_length from the needle's path.
   StrainPeak widespread;
 };
 
@@ -33,7 +33,7 @@ struct TurnedOver {
   double area = 0;    ///< of them, undeformed (m^2)
   double time = 0;    ///< s
   double first = 0;   ///< s, when any was turned over
-  ReferencePoint place;
+  ReferencePlace place;
 
   void add(const Mesh& mesh, int cell);
   void raise(const TurnedOver& seen) {

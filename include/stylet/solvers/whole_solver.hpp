@@ -22,10 +22,13 @@ enum class SolverKind {
   multigrid            ///< conjugate gradients with GAMG
 };
 
+/// Bytes of the factor of an operator in 2 or 3 dimensions; entries_a_row: of the operator.
+[[nodiscard]] double factor_bytes(int dim, double n_dofs, double entries_a_row);
+
 /// By what the factor takes of the memory of a machine (bytes): at most half of it for a factor on
 /// every rank; else, on several ranks, a shared one, which takes twice the room of its numbers; else
 /// none.
-[[nodiscard]] SolverKind solver_for(PetscInt n_dofs,
+[[nodiscard]] SolverKind solver_for(double factor,
                                     int ranks,
                                     int ranks_of_machine,
                                     double machine_memory);
@@ -76,7 +79,6 @@ class WholeSolver {
 
   MPI_Comm comm_;
   PetscInt n_dofs_;
-  SolverKind kind_;
   Mat a_ = nullptr;
   OwnedKsp ksp_;
   Cholesky cholesky_;

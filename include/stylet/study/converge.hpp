@@ -15,7 +15,8 @@ namespace stylet {
 
 struct ConvergeOptions {
   StudyOptions study;
-  int mesh_levels = 3;  ///< the scene's mesh, and refined ones: every triangle split in four
+  int mesh_levels =
+      3;  ///< the scene's mesh, and refined ones: every triangle split in four, or tetrahedron in eight
   int step_levels = 3;  ///< the scene's step, and halved ones
   bool store = false;   ///< write <scene>.accuracy.json beside the scene
 };
@@ -34,7 +35,7 @@ struct Series {
 
 struct LevelRun {
   Level level;
-  int n_triangles = 0;
+  int n_cells = 0;
   double seconds = 0;
   std::vector<double> values;  ///< one a quantity
 };

@@ -12,9 +12,10 @@ namespace stylet {
 /// Mesh and displacement at one moment.
 struct FieldSample {
   double time = 0;                  ///< s
-  std::vector<double> coordinates;  ///< 2 a node (m), reference
-  std::vector<int> cells;           ///< 3 a triangle
-  std::vector<double> u;            ///< 2 a node (m)
+  std::vector<double> coordinates;  ///< dim a node (m), reference
+  std::vector<int> cells;           ///< dim + 1 a cell
+  std::vector<double> u;            ///< dim a node (m)
+  int dim = 2;
 };
 
 void archive(Archive& archive, FieldSample& sample);
@@ -28,7 +29,7 @@ void write_fields(const std::string& path, const std::vector<FieldSample>& sampl
 [[nodiscard]] std::vector<FieldSample> read_fields(const std::string& path);
 
 /// || u - u_fine || / || u_fine || in L2 over the fine mesh, by a rule that is exact for quadratics
-/// on every fine triangle: exact where the meshes are nested, and where the needle has moved nodes
+/// on every fine cell: exact where the meshes are nested, and where the needle has moved nodes
 /// the coarse field is evaluated where the fine one's points lie.
 [[nodiscard]] double relative_distance(const FieldSample& coarse, const FieldSample& fine);
 

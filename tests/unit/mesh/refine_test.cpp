@@ -86,8 +86,6 @@ TEST(Refine, Errors) {
   MeshData mesh = coarse_mesh();
   EXPECT_THAT([&] { refine(mesh, -1); },
               ThrowsMessage<InputError>(HasSubstr("rectangle: refine = -1; allowed: 0 or more")));
-  mesh.dim = 3;
-  EXPECT_THAT([&] { refine(mesh, 1); }, ThrowsMessage<InputError>(HasSubstr("only triangles")));
 }
 
 }  // namespace

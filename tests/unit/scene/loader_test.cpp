@@ -101,8 +101,12 @@ TEST(Loader, RangesAreChecked) {
 }
 
 TEST(Loader, MissingKeysAreNamed) {
-  EXPECT_EQ(message_of(changed(needle_scene, "  plane: stress\n", "")),
+  EXPECT_EQ(message_of(changed(block_scene, "  plane: strain\n", "")),
             "scene.yaml:2:1: key 'tissue.plane': missing; allowed: stress, strain");
+  EXPECT_EQ(
+      message_of(changed(needle_scene, "  plane: stress\n", "")),
+      "scene.yaml:2:1: key 'tissue.plane': missing; allowed: stress, strain, because the scene "
+      "has needles, which are not yet in space");
   EXPECT_THAT(message_of(changed(needle_scene, "cutting_force: 1.7 N", "sharpness: 1")),
               HasSubstr("key 'needles.0.cutting.cutting_force': missing; allowed: a number with a "
                         "unit, such as N, > 0 N"));

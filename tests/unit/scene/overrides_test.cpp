@@ -49,7 +49,7 @@ TEST(Overrides, NullRemovesAKey) {
   EXPECT_FALSE(with({"needles.0.friction=null"}).needles[0].friction);
   const Scene scene = with({"needles.0.motion.0.depth=null", "needles.0.motion.0.position=3 cm"});
   EXPECT_EQ(scene.needles[0].motion[0].position, 0.03);
-  EXPECT_EQ(message_of(needle_scene, {"tissue.plane=null"}),
+  EXPECT_EQ(message_of(block_scene, {"tissue.plane=null"}),
             "scene.yaml:2:1: key 'tissue.plane': missing; allowed: stress, strain");
 }
 

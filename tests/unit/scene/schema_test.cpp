@@ -39,7 +39,7 @@ TEST(Schema, DefaultsAreThoseOfTheStructs) {
   const std::string text = schema_text();
   EXPECT_THAT(text, HasSubstr("tissue.thickness\n    Extent out of plane.\n    number in m: > 0 m; "
                               "default: 0.01 m\n"));
-  EXPECT_THAT(text, HasSubstr("choice: stress, strain; required"));
+  EXPECT_THAT(text, HasSubstr("choice: stress, strain; default: required for triangles, "));
   EXPECT_THAT(text, HasSubstr("choice: implicit, explicit, quasi_static; default: implicit"));
 }
 

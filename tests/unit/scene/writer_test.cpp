@@ -68,6 +68,30 @@ output: {directory: out/a b, history: false, snapshots: 50 ms, checkpoint: {step
 expect: [{quantity: seeds.0.placement_error, min: 5.5 mm, max: 7.5 mm}, {quantity: steps, max: 1e6}]
 )";
 
+const std::string in_space = R"(mesh:
+  box:
+    origin: [-1 cm, 0 m, 2 m]
+    size: [8 cm, 6 cm, 5 cm]
+    columns: 10
+    rows: 7
+    layers: 6
+    jitter: 0.1
+    seed: 3
+    region: fat
+    inner_regions: [{name: gland, ellipsoid: {centre: [3 cm, 3 cm, 2.02 m], size: [2 cm, 3 cm, 1 cm]}}]
+tissue:
+  regions:
+    fat: {youngs_modulus: 30 kPa, poisson_ratio: 0.49, density: 1e3 kg/m^3}
+    gland: {youngs_modulus: 60 kPa, poisson_ratio: 0.4, density: 1e3 kg/m^3}
+supports: {left: fixed, front: roller}
+loads:
+  body: [{force: [0 N/m^3, -9.81 kN/m^3, 0 N/m^3]}]
+  traction: [{surface: right, stress: [1 Pa, 0 Pa, 0.1 kPa], start: 1 s}]
+prescribed: [{surface: top, displacement: [null, 1 mm, 0 m], ramp: 2 s}]
+probes: {p: [1 cm, 2 cm, 2.01 m]}
+time: {duration: 3 s}
+)";
+
 std::string polygon_scene() {
   return changed(needle_scene, "block.msh}", "a b/block.msh, scale: 0.001}") +
          "membrane: {polygon: [[0 m, 0 m], [1 cm, 0 m], [0 m, 1 cm]], puncture_force: 1 N}\n";
@@ -104,7 +128,8 @@ void collect(const Node& node,
 
 TEST(Writer, WritesEveryKeyOfTheSchema) {
   std::set<std::string> written;
-  for (const std::string& text : {everything, polygon_scene(), block_scene, procedure_scene}) {
+  for (const std::string& text :
+       {everything, polygon_scene(), block_scene, procedure_scene, in_space}) {
     collect(to_document(load_scene("s.yaml", text)), scene_codec().key, {}, written);
   }
   for (const SchemaRow& row : schema_rows()) EXPECT_TRUE(written.contains(row.path)) << row.path;
@@ -112,7 +137,7 @@ TEST(Writer, WritesEveryKeyOfTheSchema) {
 
 TEST(Writer, WhatItWritesLoadsToTheSameScene) {
   for (const std::string& text :
-       {everything, polygon_scene(), needle_scene, block_scene, procedure_scene}) {
+       {everything, polygon_scene(), needle_scene, block_scene, procedure_scene, in_space}) {
     const std::string once = to_yaml(load_scene("s.yaml", text));
     const std::string twice = to_yaml(load_scene("s.yaml", once));
     EXPECT_EQ(once, twice);
@@ -140,7 +165,7 @@ TEST(Writer, ValuesSurviveBitByBit) {
 }
 
 TEST(Writer, TheScenesOfTheInputFolderLoad) {
-  for (const std::string name : {"prostate.yaml", "block.yaml"}) {
+  for (const std::string name : {"prostate.yaml", "block.yaml", "box.yaml"}) {
     const std::string path = std::string(STYLET_SOURCE_DIR) + "/input/" + name;
     std::ifstream file(path);
     std::ostringstream text;
