@@ -93,10 +93,14 @@ class Verbs {
     verb->add_flag("--quiet", options.quiet, "print errors only");
   }
 
-  static void runs_many(CLI::App* verb, StudyOptions& options, const std::string& folder) {
-    writes(verb, options, folder);
+  static void resumes(CLI::App* verb, StudyOptions& options) {
     verb->add_flag("--resume", options.resume,
                    "go on with a study that was stopped: run what is missing");
+  }
+
+  static void runs_many(CLI::App* verb, StudyOptions& options, const std::string& folder) {
+    writes(verb, options, folder);
+    resumes(verb, options);
     verb->add_option("--ranks-per-run", options.ranks_per_run,
                      "ranks that share one run; the others take other runs")
         ->capture_default_str();
@@ -192,7 +196,8 @@ class Verbs {
     CLI::App* verb = app_.add_subcommand(
         "plan", "find the heights and stops of the needles that bring the seeds to their targets");
     takes_scene(verb);
-    writes(verb, plans, "out/plan-<scene>");
+    writes(verb, plans.study, "out/plan-<scene>");
+    resumes(verb, plans.study);
     const auto length = [&](const char* name, double& value, const char* doc) {
       verb->add_option_function<std::string>(
           name, [name, &value](const std::string& text) { value = in_unit(name, text, "m"); }, doc);

@@ -7,6 +7,7 @@
 #include "stylet/base/units.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/scene/schema.hpp"
 #include "stylet/simulation/inspect.hpp"
@@ -86,6 +87,10 @@ int inspect_verb(const std::string& checkpoint, const std::string& snapshot) {
 
 int modes_verb(const SceneArguments& arguments, int n) {
   const Scene scene = in_needle_frame(load(arguments));
+  if (scene.start) {
+    refuse_key(scene, "start",
+               "modes are of tissue that no needle has cut; allowed: a scene without");
+  }
   NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, scene);
   check_against_mesh(scene, numbered.mesh);
   const auto tissue = make_tissue(MPI_COMM_WORLD, scene, numbered);

@@ -221,7 +221,12 @@ void OutputFolder::go_on(const nlohmann::ordered_json& summary) {
 
 void OutputFolder::finish(const nlohmann::ordered_json& summary) {
   agree_after(comm_, [&] {
-    if (rank_of(comm_) == 0) status_->finish(summary);
+    if (rank_of(comm_) != 0) return;
+    for (const auto& name : contents_.names) {
+      std::error_code not_empty;
+      if (name.ends_with("/")) fs::remove(path_ + "/" + name.substr(0, name.size() - 1), not_empty);
+    }
+    status_->finish(summary);
   });
 }
 

@@ -266,7 +266,12 @@ Codec<Scene> scene() {
        field("output", &S::output, output(), "What is written."),
        field("expect", &S::expect, list(expectation()), "Makes the scene a test."),
        field("procedure", &S::procedure, procedure(), "A recorded hand, in the place of needles."),
-       field("image", &S::image, image(), "Picture of the tissue, written as image.png.")});
+       field("image", &S::image, image(), "Picture of the tissue, written as image.png."),
+       field("start", &S::start,
+             block<StartParameters>({field("from", &StartParameters::from, text("a file name"),
+                                           "Checkpoint, relative to the folder of the scene.")
+                                         .required()}),
+             "Begin in the tissue, and at the time, where another run has left a checkpoint.")});
 }
 
 }  // namespace

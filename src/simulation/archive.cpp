@@ -96,7 +96,9 @@ void Schedule::archive(Archive& archive) {
   archive("last_seed_left", last_seed_left_);
   archive("duration", duration);
   if (archive.loads() && n_entered_ > 0) motion_ = Motion(needles_.at(n_entered_ - 1).motion);
-  archive("motion", motion_);
+  const bool waits = archive.loads() && n_entered_ == 0 && !needles_.empty();
+  Motion clock({Action{}});  // of a scene without needles that has gone before
+  archive("motion", waits ? clock : motion_);
   // The end may be another one now.
   if (!until_implanted_) last_seed_left_ = false;
   const bool no_more = n_entered_ == needles_.size() && n_entered_ > 0 && !motion_.will_implant();

@@ -111,18 +111,48 @@ void CheckpointAbout::archive(Archive& archive) {
   }
 }
 
+bool CheckpointPace::due(long long steps) const {
+  if (steps == last_steps_) return false;
+  if (parameters_.steps && steps % *parameters_.steps == 0) return true;
+  if (parameters_.steps && !parameters_.wall_time) return false;
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_time_;
+  return since.count() >= parameters_.wall_time.value_or(default_wall_time);
+}
+
+void CheckpointPace::written(long long steps) {
+  last_steps_ = steps;
+  last_time_ = std::chrono::steady_clock::now();
+}
+
+Checkpoint checkpoint_of(MPI_Comm comm, Simulation& simulation, CheckpointAbout about) {
+  about.program = STYLET_VERSION;
+  about.written = now_utc();
+  about.n_ranks = size_of(comm);
+  about.time = simulation.time();
+  about.steps = simulation.counts().steps;
+  if (const Needle* needle = simulation.needle(); needle != nullptr) {
+    about.phase = name_of(needle->phase());
+    const auto tip = simulation.rotation().to_scene(needle->axis().at<WorldFrame>(needle->tip()));
+    about.tip = {tip.x, tip.y};
+  }
+  Checkpoint checkpoint;
+  Archive described({});
+  described("run", about);
+  checkpoint["about"] = described.columns();
+  checkpoint["state"] = simulation.store();
+  return checkpoint;
+}
+
 Checkpoints::Checkpoints(MPI_Comm comm, OutputFolder& folder, const OutputParameters& output)
     : comm_(comm),
       output_(folder),
       folder_(folder.path() + "/" + folder_name),
-      parameters_(output.checkpoint) {}
+      keep_(output.checkpoint.value_or(CheckpointParameters{}).keep) {
+  if (output.checkpoint) pace_.emplace(*output.checkpoint);
+}
 
 bool Checkpoints::due(long long steps) const {
-  if (!parameters_) return false;
-  if (parameters_->steps && steps > last_steps_ && steps % *parameters_->steps == 0) return true;
-  if (parameters_->steps && !parameters_->wall_time) return false;
-  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_time_;
-  return steps > last_steps_ && since.count() >= parameters_->wall_time.value_or(default_wall_time);
+  return pace_ && pace_->due(steps);
 }
 
 void Checkpoints::write(Simulation& simulation,
@@ -131,36 +161,22 @@ void Checkpoints::write(Simulation& simulation,
                         bool goes_on) {
   static const LogEvent event("StyletCheckpoint");
   const LogScope scope(event);
-  about.program = STYLET_VERSION;
-  about.written = now_utc();
-  about.n_ranks = size_of(comm_);
-  about.time = simulation.time();
-  about.steps = simulation.counts().steps;
-  if (const Needle* needle = simulation.needle(); needle != nullptr) {
-    about.phase = name_of(needle->phase());
-    const auto tip = simulation.rotation().to_scene(needle->axis().at<WorldFrame>(needle->tip()));
-    about.tip = {tip.x, tip.y};
-  }
+  const long long steps = simulation.counts().steps;
   RecorderPlace place = recorder.settle();
-  Checkpoint checkpoint;
-  Archive described({});
-  described("run", about);
+  Checkpoint checkpoint = checkpoint_of(comm_, simulation, std::move(about));
   Archive output({});
   output("files", place);
-  checkpoint["about"] = described.columns();
   checkpoint["output"] = output.columns();
-  checkpoint["state"] = simulation.store();
   if (!std::exchange(added_, true)) output_.add(folder_name);
-  write_checkpoint(comm_, folder_ + numbered(about.steps), checkpoint);
+  write_checkpoint(comm_, folder_ + numbered(steps), checkpoint);
   agree_after(comm_, [&] {
     if (rank_of(comm_) != 0) return;
     const auto all = files();
-    const auto keep = static_cast<std::size_t>(parameters_.value_or(CheckpointParameters{}).keep);
+    const auto keep = static_cast<std::size_t>(keep_);
     for (std::size_t i = 0; i + keep < all.size(); ++i) remove(all[i]);
   });
-  last_steps_ = about.steps;
   if (goes_on) simulation.restore(std::move(checkpoint["state"]));
-  last_time_ = std::chrono::steady_clock::now();
+  if (pace_) pace_->written(steps);
 }
 
 // A link would be taken for nothing, and the run begun anew.
@@ -210,7 +226,7 @@ std::optional<LoadedCheckpoint> Checkpoints::newest(std::vector<std::string>& no
     const std::string& path = all[static_cast<std::size_t>(n - 1)];
     std::string fault;
     if (auto loaded = load_checkpoint(comm_, path, fault)) {
-      last_steps_ = loaded->about.steps;
+      if (pace_) pace_->written(loaded->about.steps);
       return loaded;
     }
     notes.push_back(path + " is not whole, and was removed: " + fault);
@@ -231,9 +247,12 @@ std::optional<LoadedCheckpoint> load_checkpoint(MPI_Comm comm,
   Archive about({}, std::move((*checkpoint)["about"]));
   about("run", loaded.about);
   about.finish();
-  Archive output({}, std::move((*checkpoint)["output"]));
-  output("files", loaded.place);
-  output.finish();
+  if (const auto output = checkpoint->find("output"); output != checkpoint->end()) {
+    Archive files({}, std::move(output->second));
+    files("files", loaded.place.emplace());
+    files.finish();
+  }
+  loaded.study = std::move((*checkpoint)["study"]);
   loaded.state = std::move((*checkpoint)["state"]);
   return loaded;
 }
@@ -241,24 +260,25 @@ std::optional<LoadedCheckpoint> load_checkpoint(MPI_Comm comm,
 void require_same_physics(const CheckpointAbout& stored,
                           const std::string& path,
                           const Scene& scene,
-                          const CheckpointAbout& now) {
+                          const CheckpointAbout& now,
+                          const std::string& allowed) {
   const auto refuse = [&](const std::string& what, const std::string& advice) {
     throw InputError(scene.file + ": " + what + " when " + path + " was written; " + advice +
-                     "begin anew with --force");
+                     allowed);
   };
   if (const auto difference =
           first_difference(parse_yaml(path, stored.scene), parse_yaml(scene.file, now.scene))) {
     refuse("key '" + difference->path + "': is '" + difference->now + "' and was '" +
                difference->before + "'",
-           "allowed on --resume: other output, image, expect, time.until and time.duration; ");
+           "");
   }
   if (stored.mesh != now.mesh) {
-    refuse("key 'mesh.file': the bytes of the file are not those", "put the mesh back, or ");
+    refuse("key 'mesh.file': the bytes of the file are not those", "put the mesh back; ");
   }
   if (stored.options != now.options) {
     const auto text = [](const auto& all) { return all.empty() ? "none" : join(all); };
     refuse("PETSc options: are " + text(now.options) + " and were " + text(stored.options),
-           "give the same ones behind --, or ");
+           "give the same ones behind --; ");
   }
 }
 
@@ -279,8 +299,8 @@ void require_same_files(const LoadedCheckpoint& stored, const Scene& scene) {
                      " it, and its file would have a gap; leave it so on --resume, or begin anew "
                      "with --force");
   };
-  require("output.history", stored.place.history.bytes > 0, scene.output.history);
-  require("output.snapshots", stored.place.snapshots.has_value(),
+  require("output.history", stored.place->history.bytes > 0, scene.output.history);
+  require("output.snapshots", stored.place->snapshots.has_value(),
           scene.output.snapshots.has_value());
 }
 

@@ -57,6 +57,9 @@ class Overview {
     add_body_forces();
     add_membrane();
     for (std::size_t i = 0; i < scene_.needles.size(); ++i) add_needle(i);
+    if (scene_.start) {
+      add("start", "t = " + time_text(simulation_.time()) + ", from " + scene_.start->from);
+    }
     add_steps();
     add_sizes();
     return lines_;

@@ -314,6 +314,7 @@ ordered_json summarise(MPI_Comm comm,
   ordered_json summary;
   summary["status"] = status;
   summary["scene"] = scene.file;
+  if (scene.start) summary["start"] = scene.start->from;
   summary["time"] = simulation.time();
   summary["seeds"] = ordered_json::array();
   std::vector<EmbeddedPoint> places;

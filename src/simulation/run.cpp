@@ -237,6 +237,10 @@ std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
                                            const std::string& folder) {
   std::vector<std::string> notes;
   auto loaded = checkpoints.newest(notes);
+  if (loaded && !loaded->place) {
+    throw InputError(loaded->path +
+                     ": was written by a study, and knows no files of a run; move it away");
+  }
   if (loaded) {
     require_same_physics(loaded->about, loaded->path, scene, about);
     require_same_files(*loaded, scene);
@@ -271,6 +275,7 @@ Scene with_absolute_paths(Scene scene) {
   if (auto* file = std::get_if<std::string>(&scene.mesh.source)) make_absolute(*file);
   if (scene.procedure) make_absolute(scene.procedure->file);
   if (scene.image && !scene.image->file.empty()) make_absolute(scene.image->file);
+  if (scene.start) make_absolute(scene.start->from);
   return scene;
 }
 
@@ -331,7 +336,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
     if (auto loaded = go_on_from(comm, checkpoints, about, scene, options, outcome.folder)) {
       simulation.restore(std::move(loaded->state));
       require_at(simulation, *loaded);
-      place = std::move(loaded->place);
+      place = std::move(*loaded->place);
       walls = std::move(loaded->about.wall_times);
     }
   }

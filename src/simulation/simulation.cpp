@@ -7,6 +7,7 @@
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/recorded.hpp"
+#include "stylet/simulation/start.hpp"
 #include "stylet/simulation/track_binding.hpp"
 
 #include <algorithm>
@@ -76,6 +77,16 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::uniqu
   probes_ = body_.embed(probes);
   counts_.worst_quality = body_.rewrites().worst_quality;
   if (scene_.time.method == TimeMethod::explicit_newmark) counts_.stable_step = body_.stable_step();
+  if (scene_.start) start_from_checkpoint(comm);
+}
+
+void Simulation::start_from_checkpoint(MPI_Comm comm) {
+  if (live_) {
+    refuse_key(scene_, "start", "a hand begins in tissue at rest; allowed: a scene without");
+  }
+  StartState start = state_to_start_from(comm, scene_, numbered().file_fingerprint);
+  restore(std::move(start.state));
+  if (start.other_step) hand_->choose_step_anew();
 }
 
 StepRecord Simulation::step() {

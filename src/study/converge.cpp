@@ -75,6 +75,9 @@ class Study {
                        ": key 'time.method': explicit steps are cut to the stable step, so there "
                        "are no step levels to study; use --step-levels 1");
     }
+    if (scene.start && options.store) {
+      refuse_key(scene, "start", "--store keeps the accuracy of scenes that begin at rest");
+    }
     if (scene.procedure && options.store) {
       refuse_key(scene, "procedure",
                  "--store keeps the accuracy of scenes with needles of their own");
@@ -216,36 +219,46 @@ class Study {
       progress.update((done + own * own_cost) / total,
                       std::to_string(n_done) + " of " + std::to_string(tasks.size()) + " levels");
     };
-    pool.run(
+    const bool finished = pool.run(
         tasks,
         [&](int task, MPI_Comm group, const Poll& poll) {
           own_cost = cost(task);
-          return measure(static_cast<std::size_t>(task), group, poll).dump();
+          return measure(static_cast<std::size_t>(task), group, poll);
         },
         [&](int task, const std::string& text) {
           results.append({row_of(static_cast<std::size_t>(task), Json::parse(text))});
+          forget_checkpoint(result_.folder, id_of(static_cast<std::size_t>(task)));
           done += cost(task);
           ++n_done;
           show(0);
         },
         show);
+    if (!finished) stop_study(comm_);
   }
 
-  [[nodiscard]] Json measure(std::size_t task, MPI_Comm group, const Poll& poll) const {
+  [[nodiscard]] std::optional<std::string> measure(std::size_t task,
+                                                   MPI_Comm group,
+                                                   const Poll& poll) const {
     Scene scene = scene_;
     scene.mesh.refine = result_.runs[task].level.refine;
     scene.time.step = result_.runs[task].level.step;
     keep_scene(group, result_.folder, id_of(task), scene);
     std::vector<FieldSample> samples;
     std::size_t n_seeds = 0;
+    const RunPlace place{checkpoint_path(result_.folder, id_of(task)), options_.study.quiet,
+                         [&](Archive& archive) {
+                           archive("samples", samples);
+                           archive("n_seeds", n_seeds);
+                         }};
     const StudyRun run =
-        run_in_study(group, scene, meshes_, poll, [&](const Simulation& simulation) {
+        run_in_study(group, scene, meshes_, place, poll, [&](const Simulation& simulation) {
           const std::size_t now = simulation.seeds().size();
           if (now > n_seeds || (simulation.done() && now == 0)) {
             samples.push_back(field_now(simulation));
           }
           n_seeds = now;
         });
+    if (run.stopped) return std::nullopt;
     agree_after(group, [&] {
       if (rank_of(group) == 0 && run.error.empty()) write_fields(fields_path(task), samples);
     });
@@ -254,10 +267,11 @@ class Study {
       const auto value = find_number(run.summary, path);
       values.push_back(value ? Json(*value) : Json());
     }
-    return {{"error", run.error},
-            {"seconds", run.seconds},
-            {"n_triangles", run.error.empty() ? run.summary["n_triangles"] : Json(0)},
-            {"values", values}};
+    return Json{{"error", run.error},
+                {"seconds", run.seconds},
+                {"n_triangles", run.error.empty() ? run.summary["n_triangles"] : Json(0)},
+                {"values", values}}
+        .dump();
   }
 
   [[nodiscard]] std::vector<std::string> row_of(std::size_t task, const Json& result) const {

@@ -36,6 +36,14 @@ Vector2 value_at(const FieldSample& sample, const Mesh& mesh, const EmbeddedPoin
 
 }  // namespace
 
+void archive(Archive& archive, FieldSample& sample) {
+  auto& [time, coordinates, cells, u] = sample;
+  archive("time", time);
+  archive("coordinates", coordinates);
+  archive("cells", cells);
+  archive("u", u);
+}
+
 FieldSample field_now(const Simulation& simulation) {
   FieldSample sample;
   sample.time = simulation.time();

@@ -34,6 +34,9 @@ MeshFiles mesh_files(MPI_Comm comm, std::span<const Scene> scenes) {
     if (const std::string path = procedure_path(scene); !path.empty()) {
       files[scene.procedure->file] = fingerprint(read_on_all(comm, path));
     }
+    if (scene.start) {
+      files[scene.start->from] = fingerprint(read_on_all(comm, path_in(scene, scene.start->from)));
+    }
     const auto* name = std::get_if<std::string>(&scene.mesh.source);
     if (name == nullptr || files.contains(*name)) continue;
     files[*name] = fingerprint(read_on_all(comm, mesh_path(scene)));
@@ -54,7 +57,7 @@ std::string differences(const Json& earlier, const Json& now) {
   for (Json* plan : {&a, &b}) plan->erase("mesh_files");
   compare(a, b, "", found);
   compare(earlier.value("mesh_files", Json::object()), now.value("mesh_files", Json::object()),
-          "the bytes of mesh file ", found);
+          "the bytes of ", found);
   return join(found);
 }
 

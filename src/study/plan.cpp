@@ -2,27 +2,32 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/output/folder.hpp"
-#include "stylet/output/history.hpp"
 #include "stylet/output/progress.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/owned.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
+#include "stylet/scene/writer.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/run.hpp"
 #include "stylet/simulation/simulation.hpp"
 #include "stylet/study/identity.hpp"
 #include "stylet/study/plan_variables.hpp"
+#include "stylet/study/study_run.hpp"
+#include "stylet/study/table.hpp"
 
 #include <petsctao.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <cstdio>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
+#include <optional>
+#include <span>
+#include <sstream>
 
 namespace stylet {
 
@@ -37,21 +42,33 @@ constexpr double jitter_shift = 0.5e-3;       // m; about half an element of the
 
 class Planner {
  public:
-  Planner(MPI_Comm comm, const Scene& scene, const PlanOptions& options, const std::string& folder)
+  Planner(MPI_Comm comm,
+          const Scene& scene,
+          const PlanOptions& options,
+          const std::string& folder,
+          MeshFiles meshes,
+          Table kept)
       : comm_(comm),
         options_(options),
+        folder_(folder),
+        meshes_(std::move(meshes)),
         scene_(scene),
-        progress_(comm, options.quiet),
-        file_(comm,
-              folder + "/plan.csv",
-              {{"run", ""}, {"needle", ""}, {"seed", ""}, {"placement_error", "m"}}) {
+        progress_(comm, options.study.quiet) {
     // Where the tissue goes back to rest, only the placement is asked for, and a needle's seeds do not
     // depend on those after it; else the whole scene is run.
     shortcut_ = why_not_at_rest(scene).empty();
     scene_.time.until_implanted = shortcut_;
-    scene_.output = {};
-    scene_.output.history = false;
+    OutputParameters output;
+    output.history = false;
+    output.checkpoint = scene.output.checkpoint;
+    scene_.output = output;
     scene_.expect.clear();
+    for (const auto& row : kept.rows) remember(row);
+    results_.emplace(comm, folder + "/results.csv", std::move(kept));
+  }
+
+  static std::vector<std::string> columns() {
+    return {"run", "needle", "variables [mm]", "misses [mm]", "wall_time [s]"};
   }
 
   void run(Plan& plan) {
@@ -91,7 +108,7 @@ class Planner {
       }
     }
     plan.runs = n_runs_;
-    file_.close();
+    results_->finish();
   }
 
   /// What was planned, put into the scene that was given.
@@ -112,42 +129,72 @@ class Planner {
     Scene scene = scene_;
     variables.apply(values, scene);
     if (shortcut_) scene.needles.resize(needle + 1);
-    ++n_runs_;
+    const std::string id = id_of(++n_runs_);
     Values result;
-    try {
-      Simulation simulation(comm_, scene, false);
-      while (!simulation.done()) simulation.step();
-      std::vector<EmbeddedPoint> places;
-      for (const Seed& seed : simulation.seeds()) places.push_back(simulation.place_of(seed));
-      const auto world = simulation.body().world(places);
-      for (std::size_t i = 0; i < places.size(); ++i) {
-        const Seed& seed = simulation.seeds()[i];
-        if (seed.needle != scene.needles[needle].name || seed.target.empty()) continue;
-        const auto& targets = simulation.scene().targets;
-        const auto target = std::ranges::find(targets, seed.target, &Target::name);
-        const Vector2 at_rest{places[i].x.x - target->point.x, places[i].x.y - target->point.y};
-        const Vector2 at_end{world[i].x - target->point.x, world[i].y - target->point.y};
-        const Vector2 miss = shortcut_ ? at_rest : at_end;
-        result.insert(result.end(), {miss.x / unit, miss.y / unit});
-      }
-    } catch (const Error& error) {
-      throw Error(error.code(),
+    const RunPlace place{checkpoint_path(folder_, id), options_.study.quiet};
+    const StudyRun run = run_in_study(
+        comm_, scene, meshes_, place, [](double) {},
+        [&](const Simulation& simulation) {
+          if (simulation.done()) result = misses(simulation, scene.needles[needle].name);
+        });
+    if (run.stopped) stop_study(comm_);
+    if (!run.error.empty()) {
+      throw Error(run.code,
                   "plan: a run with changed stops failed; narrower --depth-range and "
                   "--height-range may help: " +
-                      std::string(error.what()));
+                      run.error);
     }
-    for (std::size_t k = 0; k < result.size() / 2; ++k) {
-      const double row[] = {double(n_runs_), double(needle), double(k),
-                            unit * std::hypot(result[2 * k], result[2 * k + 1])};
-      file_.write(row);
+    if (rank_of(comm_) == 0) {
+      results_->append(
+          {{id, std::to_string(needle), text_of(values), text_of(result), exact(run.seconds)}});
+      forget_checkpoint(folder_, id);
     }
-    file_.flush();
     if (progress_.due()) {
       progress_.update(0,
                        "needle " + std::to_string(needle + 1) + ", run " + std::to_string(n_runs_));
     }
     known_[{needle, values}] = result;
     return result;
+  }
+
+  /// Vectors from targets to seeds of that needle (mm).
+  [[nodiscard]] Values misses(const Simulation& simulation, const std::string& needle) const {
+    Values result;
+    std::vector<EmbeddedPoint> places;
+    for (const Seed& seed : simulation.seeds()) places.push_back(simulation.place_of(seed));
+    const auto world = simulation.body().world(places);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const Seed& seed = simulation.seeds()[i];
+      if (seed.needle != needle || seed.target.empty()) continue;
+      const auto& targets = simulation.scene().targets;
+      const auto target = std::ranges::find(targets, seed.target, &Target::name);
+      const Vector2 at_rest{places[i].x.x - target->point.x, places[i].x.y - target->point.y};
+      const Vector2 at_end{world[i].x - target->point.x, world[i].y - target->point.y};
+      const Vector2 miss = shortcut_ ? at_rest : at_end;
+      result.insert(result.end(), {miss.x / unit, miss.y / unit});
+    }
+    return result;
+  }
+
+  /// A row of an earlier start; the same way leads through it.
+  void remember(const std::vector<std::string>& row) {
+    known_[{std::stoul(row[1]), numbers_of(row[2])}] = numbers_of(row[3]);
+    ++n_runs_;
+  }
+
+  static std::string id_of(int run) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%05d", run);
+    return text;
+  }
+  static std::string text_of(const Values& values) {
+    std::vector<std::string> texts;
+    for (const double value : values) texts.push_back(exact(value));
+    return join(texts, " ");
+  }
+  static Values numbers_of(const std::string& text) {
+    std::istringstream in(text);
+    return Values(std::istream_iterator<double>(in), {});
   }
 
   static PetscErrorCode evaluate(Tao, Vec x, Vec f, void* context) {
@@ -246,10 +293,12 @@ class Planner {
 
   MPI_Comm comm_;
   const PlanOptions& options_;
+  std::string folder_;
+  MeshFiles meshes_;
   Scene scene_;
   bool shortcut_ = false;  ///< runs end at the last implant
   Progress progress_;
-  HistoryWriter file_;
+  std::optional<ResultsFile> results_;
   std::map<std::pair<std::size_t, Values>, Values> known_;  ///< by needle and variables
   int n_runs_ = 0;
   bool out_of_runs_ = false;  ///< of the present needle
@@ -284,20 +333,21 @@ void check_options(const Scene& scene, const PlanOptions& options) {
   }
 }
 
-/// Collective. What `plan` does once its folder is there.
-void plan_in(OutputFolder& folder,
-             MPI_Comm comm,
-             const Scene& scene,
-             const PlanOptions& options,
-             Plan& result) {
-  Planner planner(comm, scene, options, result.folder);
-  planner.run(result);
-  check_unused_options();
-  result.scene = planner.planned(scene);
-  write_text_atomically(comm, result.folder + "/planned.yaml", resolved_text(result.scene));
-  auto summary = summary_of(result);
-  add_identity(summary, mesh_files(comm, std::span(&scene, 1)));
-  folder.finish(summary);
+/// All that decides what is run, and in which order.
+nlohmann::ordered_json plan_json(const Scene& scene,
+                                 const PlanOptions& options,
+                                 const MeshFiles& meshes) {
+  nlohmann::ordered_json plan{{"study", "plan"},
+                              {"depth_range", options.depth_range},
+                              {"height_range", options.height_range},
+                              {"tolerance", options.tolerance},
+                              {"most_runs", options.most_runs}};
+  if (options.speeds) plan["speeds"] = *options.speeds;
+  Scene given = scene;
+  given.output = {};
+  plan["scene"] = to_yaml(given);
+  add_identity(plan, meshes);
+  return plan;
 }
 
 }  // namespace
@@ -305,17 +355,21 @@ void plan_in(OutputFolder& folder,
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options) {
   check_options(scene, options);
   Plan result;
-  result.folder = options.output;
-  if (result.folder.empty()) {
-    result.folder = "out/plan-" + std::filesystem::path(scene.file).stem().string();
-  }
-  OutputFolder folder(comm, result.folder, {"plan", {"plan.csv", "planned.yaml"}, {}},
-                      options.force ? Earlier::replace : Earlier::refuse, OnSignal::end);
-  in_folder(folder, [&] {
-    folder.go_on();
-    plan_in(folder, comm, scene, options, result);
+  result.folder = study_folder(options.study, "plan", scene.file);
+  const MeshFiles meshes = mesh_files(comm, std::span(&scene, 1));
+  OpenStudy study = open_study(comm, result.folder, "plan", {"planned.yaml"}, options.study,
+                               plan_json(scene, options, meshes), Planner::columns());
+  in_folder(*study.folder, [&] {
+    Planner planner(comm, scene, options, result.folder, meshes, std::move(study.kept));
+    planner.run(result);
+    check_unused_options();
+    result.scene = planner.planned(scene);
+    write_text_atomically(comm, result.folder + "/planned.yaml", resolved_text(result.scene));
+    auto summary = summary_of(result);
+    add_identity(summary, meshes);
+    study.folder->finish(summary);
   });
-  if (rank_of(comm) == 0 && !options.quiet) print(result, scene);
+  if (rank_of(comm) == 0 && !options.study.quiet) print(result, scene);
   if (!result.shortfalls.empty()) throw_shortfalls(result);
   return result;
 }

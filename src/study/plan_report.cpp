@@ -46,8 +46,9 @@ void print(const Plan& plan, const Scene& given) {
       }
     }
   }
-  std::printf("%d runs; files in %s: planned.yaml (the scene as planned), plan.csv, summary.json\n",
-              plan.runs, plan.folder.c_str());
+  std::printf(
+      "%d runs; files in %s: planned.yaml (the scene as planned), results.csv, summary.json\n",
+      plan.runs, plan.folder.c_str());
 }
 
 void throw_shortfalls(const Plan& plan) {

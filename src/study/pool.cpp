@@ -1,9 +1,11 @@
 #include "stylet/study/pool.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/output/status_file.hpp"
 #include "stylet/petsc/session.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 namespace stylet {
@@ -13,6 +15,7 @@ namespace {
 constexpr int result_tag = 1;
 constexpr int task_tag = 2;
 constexpr int no_task = -1;
+constexpr const char* stopped_text = "stopped";  // a result begins with its task's number
 
 /// Rank 0's side: which task is next, and who has been told that there is none.
 class Counter {
@@ -20,7 +23,14 @@ class Counter {
   Counter(MPI_Comm comm, std::span<const int> tasks, const Pool::Done& done)
       : comm_(comm), tasks_(tasks), done_(done) {}
 
-  int next() { return at_ < tasks_.size() ? tasks_[at_++] : no_task; }
+  int next() {
+    if (at_ == tasks_.size()) return no_task;
+    if (StatusFile::signal() != 0) stop();
+    return stopped_ ? no_task : tasks_[at_++];
+  }
+
+  void stop() { stopped_ = true; }
+  [[nodiscard]] bool stopped() const { return stopped_; }
 
   void serve_waiting() {
     int waiting = 1;
@@ -45,6 +55,7 @@ class Counter {
     MPI_Get_count(&status, MPI_CHAR, &size);
     std::string text(static_cast<std::size_t>(size), '\0');
     MPI_Recv(text.data(), size, MPI_CHAR, status.MPI_SOURCE, result_tag, comm_, MPI_STATUS_IGNORE);
+    if (text == stopped_text) stop();
     const int given = next();
     if (given == no_task) ++dismissed_;
     MPI_Send(&given, 1, MPI_INT, status.MPI_SOURCE, task_tag, comm_);
@@ -57,6 +68,7 @@ class Counter {
   const Pool::Done& done_;
   std::size_t at_ = 0;
   int dismissed_ = 0;
+  bool stopped_ = false;
 };
 
 }  // namespace
@@ -79,7 +91,7 @@ Pool::~Pool() {
   if (comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
 }
 
-void Pool::run(std::span<const int> tasks, const Task& task, const Done& done, const Poll& poll) {
+bool Pool::run(std::span<const int> tasks, const Task& task, const Done& done, const Poll& poll) {
   const bool first = rank_of(comm_) == 0;
   Counter counter(comm_, tasks, done);
   const auto between_steps = [&](double fraction) {
@@ -100,12 +112,15 @@ void Pool::run(std::span<const int> tasks, const Task& task, const Done& done, c
     }
     MPI_Bcast(&given, 1, MPI_INT, 0, group_);
     if (given == no_task) break;
-    const std::string text = task(given, group_, between_steps);
-    if (first) done(given, text);
-    result = std::to_string(given) + " " + text;
+    const std::optional<std::string> text = task(given, group_, between_steps);
+    if (first && text) done(given, *text);
+    if (first && !text) counter.stop();
+    result = text ? std::to_string(given) + " " + *text : stopped_text;
   }
   if (first) counter.serve_rest(n_groups_ - 1);
-  MPI_Barrier(comm_);
+  int finished = counter.stopped() ? 0 : 1;
+  MPI_Bcast(&finished, 1, MPI_INT, 0, comm_);
+  return finished == 1;
 }
 
 }  // namespace stylet

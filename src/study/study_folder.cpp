@@ -6,11 +6,13 @@
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/checkpoint.hpp"
 #include "stylet/simulation/run.hpp"
 #include "stylet/study/identity.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -36,7 +38,10 @@ bool succeeds(const std::vector<std::string>& arguments) {
     return false;
   }
   int status = 0;
-  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  while (waitpid(child, &status, 0) != child) {
+    if (errno != EINTR) return false;
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 /// Collective. As rank 0 sees it.
@@ -95,14 +100,15 @@ OpenStudy open_study(MPI_Comm comm,
   if (options.resume && options.force) {
     throw InputError("--resume keeps earlier results, --force replaces them: give one of them");
   }
-  names.insert(names.end(), {"plan.json", "results.csv", "scenes/", "study.png", "report.md"});
+  names.insert(names.end(), {"plan.json", "results.csv", "scenes/", Checkpoints::folder_name,
+                             "study.png", "report.md"});
   const Earlier earlier = options.resume  ? Earlier::keep
                           : options.force ? Earlier::replace
                                           : Earlier::refuse;
   OpenStudy study;
   // Rows of results.csv may have been taken out, to compute them again.
   study.folder = std::make_unique<OutputFolder>(
-      comm, path, Contents{verb, std::move(names), {"results.csv"}}, earlier, OnSignal::end);
+      comm, path, Contents{verb, std::move(names), {"results.csv"}}, earlier, OnSignal::tell);
   if (exists(comm, path + "/plan.json")) {
     study.kept = rows_of(comm, path, plan, std::move(columns));
   } else {

@@ -85,19 +85,21 @@ class Sweep {
                       std::to_string(done + outcome.kept) + " of " + std::to_string(outcome.runs) +
                           " runs" + (failed > 0 ? ", " + std::to_string(failed) + " failed" : ""));
     };
-    pool.run(
+    const bool finished = pool.run(
         missing,
         [&](int task, MPI_Comm group, const Poll& poll) {
-          return measure(task, group, outcome.folder, poll).dump();
+          return measure(task, group, outcome.folder, poll);
         },
         [&](int task, const std::string& text) {
           const Json result = Json::parse(text);
           results.append(rows_of(task, result));
+          forget_checkpoint(outcome.folder, id_of(task));
           ++done;
           if (!result["error"].get<std::string>().empty()) ++failed;
           show(0);
         },
         show);
+    if (!finished) stop_study(comm_);
     results.finish();
     const auto status = results.table().column("status");
     const auto& rows = results.table().rows;
@@ -270,16 +272,18 @@ class Sweep {
     return missing;
   }
 
-  [[nodiscard]] Json measure(int task,
-                             MPI_Comm group,
-                             const std::string& folder,
-                             const Poll& poll) const {
+  [[nodiscard]] std::optional<std::string> measure(int task,
+                                                   MPI_Comm group,
+                                                   const std::string& folder,
+                                                   const Poll& poll) const {
     const PlannedRun& planned = plan_.runs[static_cast<std::size_t>(task)];
     StudyRun run;
     try {
       const Scene scene = scene_of(task);
       keep_scene(group, folder, id_of(task), scene);
-      run = run_in_study(group, scene, meshes_, poll);
+      const RunPlace place{checkpoint_path(folder, id_of(task)), options_.quiet};
+      run = run_in_study(group, scene, meshes_, place, poll);
+      if (run.stopped) return std::nullopt;
     } catch (const InputError& error) {
       run.error = one_line(error.what());
     }
@@ -293,7 +297,7 @@ class Sweep {
       }
       values.push_back(of_point);
     }
-    return {{"error", run.error}, {"seconds", run.seconds}, {"values", values}};
+    return Json{{"error", run.error}, {"seconds", run.seconds}, {"values", values}}.dump();
   }
 
   [[nodiscard]] std::vector<std::vector<std::string>> rows_of(int task, const Json& result) const {

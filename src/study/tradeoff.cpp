@@ -215,10 +215,13 @@ class Study {
       const Scene scene = load_scene(file_, text_, overrides_[i]);
       keep_scene(comm_, result_.folder, id_of(i), scene);
       double total = 0;
+      const RunPlace place{checkpoint_path(result_.folder, id_of(i)), options_.study.quiet};
       while (static_cast<int>(times.size()) < options_.repeats && total < long_run) {
-        run = run_in_study(comm_, scene, meshes_, poll, [&](const Simulation& simulation) {
+        run = run_in_study(comm_, scene, meshes_, place, poll, [&](const Simulation& simulation) {
           stop_if_hopeless(i, simulation.counts().sub_steps);
         });
+        if (run.stopped) stop_study(comm_);
+        if (rank_of(comm_) == 0) forget_checkpoint(result_.folder, id_of(i));  // of this repeat
         // All ranks decide by the same clock.
         MPI_Bcast(&run.seconds, 1, MPI_DOUBLE, 0, comm_);
         times.push_back(run.seconds);

@@ -98,7 +98,7 @@ class Identity(CliTest):
         self.assert_code(self.stylet(*sweep), DONE)
         before = (self.folder / "out/sweep-campaign/results.csv").read_bytes()
         self.write("block.msh", other_mesh())
-        self.assert_refused(self.stylet(*sweep), "the bytes of mesh file block.msh", "differs")
+        self.assert_refused(self.stylet(*sweep), "the bytes of block.msh", "differs")
         self.write("block.msh", block_mesh()[0])
         self.assert_refused(self.stylet(*sweep, "--", "-ksp_rtol", "1e-9"), "solver_options")
         self.assert_refused(self.stylet(*sweep, "--set", "time.step=0.25 s"), "set")
@@ -117,7 +117,7 @@ class Identity(CliTest):
         self.assert_code(self.stylet(*sweep, "--part", "1/2"), DONE)
         self.write("block.msh", other_mesh())
         self.assert_code(self.stylet(*sweep, "--part", "2/2"), DONE)
-        self.assert_refused(self.stylet(*sweep, "--join"), "part-1", "mesh file block.msh")
+        self.assert_refused(self.stylet(*sweep, "--join"), "part-1", "the bytes of block.msh")
 
     def test_stored_accuracy_is_of_one_mesh(self):
         self.assert_code(self.stylet("converge", "scene.yaml", "--store", *LEVELS), DONE)

@@ -66,7 +66,7 @@ class OutputFolder(CliTest):
                                              "statistics.json", "scenes/00000.yaml"]),
                  "converge": ("needle.yaml", ["convergence.json", "fields/00000.cbor"]),
                  "tradeoff": ("needle.yaml", ["tradeoff.json", "results.csv"]),
-                 "plan": ("needle.yaml", ["planned.yaml", "plan.csv"]),
+                 "plan": ("needle.yaml", ["planned.yaml", "results.csv"]),
                  "stability": ("needle.yaml", ["stability.csv", "stability_implicit.csv"])}
         self.assert_code(self.stylet("run", "scene.yaml", "--output", "ours"), DONE)
         marks = (self.folder / "ours/.stylet").read_text()

@@ -49,7 +49,7 @@ class OutputFolder {
   /// Collective. The summary while the work goes on; without one it says just that.
   void go_on();
   void go_on(const nlohmann::ordered_json& summary);
-  /// Collective. The last summary.
+  /// Collective. The last summary. Folders in it that are empty go.
   void finish(const nlohmann::ordered_json& summary);
   /// Not collective, and for any rank: waits a moment for the others, so that one text is written.
   /// Takes what is known so far, if anything, and adds status and error.

@@ -96,6 +96,11 @@ struct Expectation {
   double max = std::numeric_limits<double>::infinity();
 };
 
+/// The tissue in which a scene begins.
+struct StartParameters {
+  std::string from;  ///< checkpoint, relative to the folder of the scene
+};
+
 struct Scene {
   std::string file;  ///< for messages; paths in the scene are relative to its folder
   MeshParameters mesh;
@@ -115,6 +120,7 @@ struct Scene {
   std::vector<Expectation> expect;
   std::optional<ProcedureParameters> procedure;  ///< instead of needles
   std::optional<ImageParameters> image;
+  std::optional<StartParameters> start;  ///< none: tissue at rest
   Node
       document;  ///< as it was read, for the places in messages; empty if the scene was made in code
 };

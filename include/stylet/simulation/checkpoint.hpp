@@ -37,9 +37,30 @@ struct CheckpointAbout {
 struct LoadedCheckpoint {
   std::string path;
   CheckpointAbout about;
-  RecorderPlace place;
+  std::optional<RecorderPlace> place;  ///< of a run's files; none of a run of a study
   Archive::Columns state;
+  Archive::Columns study;  ///< what a study has learned in the run
 };
+
+/// When checkpoints are due.
+class CheckpointPace {
+ public:
+  explicit CheckpointPace(CheckpointParameters parameters) : parameters_(parameters) {}
+  /// Not collective. By this rank's clock, or the steps made.
+  [[nodiscard]] bool due(long long steps) const;
+  void written(long long steps);
+
+ private:
+  CheckpointParameters parameters_;
+  long long last_steps_ = 0;
+  std::chrono::steady_clock::time_point last_time_ = std::chrono::steady_clock::now();
+};
+
+/// Collective, between steps. What is known of a run and its state; the fields of `about` that these tell
+/// are filled in.
+[[nodiscard]] Checkpoint checkpoint_of(MPI_Comm comm,
+                                       Simulation& simulation,
+                                       CheckpointAbout about);
 
 class Checkpoints {
  public:
@@ -65,9 +86,8 @@ class Checkpoints {
   OutputFolder& output_;
   std::string folder_;
   bool added_ = false;  ///< to the output folder
-  std::optional<CheckpointParameters> parameters_;
-  long long last_steps_ = 0;
-  std::chrono::steady_clock::time_point last_time_ = std::chrono::steady_clock::now();
+  std::optional<CheckpointPace> pace_;
+  int keep_;
 };
 
 /// Collective. None, and why, if it is not whole. Throws InputError, IoError.
@@ -75,12 +95,18 @@ class Checkpoints {
                                                               const std::string& path,
                                                               std::string& fault);
 
+inline constexpr const char* allowed_on_resume =
+    "allowed on --resume: other output, image, expect, time.until and time.duration; begin anew "
+    "with --force";
+
 /// Throws InputError that names the first key in which this scene is another one than the one stored,
-/// unless it decides about output and end only; or the mesh file, or options of solvers.
+/// unless it decides about output and end only, and says what is allowed; or the mesh file, or options of
+/// solvers.
 void require_same_physics(const CheckpointAbout& stored,
                           const std::string& path,
                           const Scene& scene,
-                          const CheckpointAbout& now);
+                          const CheckpointAbout& now,
+                          const std::string& allowed = allowed_on_resume);
 
 /// Throws InputError where the state is of another moment than the checkpoint says.
 void require_at(const Simulation& simulation, const LoadedCheckpoint& stored);

@@ -110,6 +110,7 @@ class Simulation {
   void restore(Archive::Columns columns);
 
  private:
+  void start_from_checkpoint(MPI_Comm comm);
   StepRecord step_unguarded();
   [[nodiscard]] std::string held_points() const;
   void act_without_time();

@@ -17,6 +17,8 @@ struct FieldSample {
   std::vector<double> u;            ///< 2 a node (m)
 };
 
+void archive(Archive& archive, FieldSample& sample);
+
 /// Collective.
 [[nodiscard]] FieldSample field_now(const Simulation& simulation);
 

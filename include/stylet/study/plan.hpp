@@ -3,6 +3,7 @@
 
 #include "stylet/scene/scene.hpp"
 #include "stylet/simulation/accuracy.hpp"
+#include "stylet/study/study_folder.hpp"
 
 #include <mpi.h>
 #include <nlohmann/json.hpp>
@@ -15,9 +16,7 @@
 namespace stylet {
 
 struct PlanOptions {
-  std::string output;  ///< folder; empty: out/plan-<name of the scene file>
-  bool force = false;
-  bool quiet = false;
+  StudyOptions study;
   double depth_range = 15e-3;  ///< m to either side of the scene's stops
   double height_range = 5e-3;  ///< m to either side of the scene's heights; 0: kept
   std::optional<std::array<double, 2>> speeds;  ///< m/s, of all inserts; none: the scene's
@@ -49,7 +48,8 @@ struct Plan {
 /// Collective. Needle by needle, in the tissue that the earlier ones leave: heights of needles and
 /// stops before implants, by TAO's POUNDERS on the vectors from targets to seeds (S. M. Wild, in
 /// Advances and Trends in Optimization, 2017), which needs no derivatives and does not follow noise
-/// below the tolerance. Writes planned.yaml, plan.csv and summary.json. Throws InputError for a scene
+/// below the tolerance. Writes planned.yaml and what all
+/// studies write; a plan that is resumed takes the same way through the runs that it has. Throws InputError for a scene
 /// without targets, NumericalError where a run fails, and, with everything written, where the plan
 /// ends at an end of its range, or with its runs, without reaching the tolerance.
 Plan plan(MPI_Comm comm, const Scene& scene, const PlanOptions& options);

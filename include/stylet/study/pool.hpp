@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -25,14 +26,19 @@ class Pool {
 
   [[nodiscard]] int n_groups() const { return n_groups_; }
 
-  /// Collective over `group`; what its first rank returns is the result.
-  using Task = std::function<std::string(int task, MPI_Comm group, const Poll& poll)>;
+  /// Collective over `group`; what its first rank returns is the result. None: a signal has stopped it.
+  using Task =
+      std::function<std::optional<std::string>(int task, MPI_Comm group, const Poll& poll)>;
   /// On rank 0, in the order in which results come.
   using Done = std::function<void(int task, const std::string& result)>;
 
   /// Collective. `tasks` are the numbers handed on to `task`; `poll` is called on rank 0 only, while
-  /// it works on a task of its own. What task, done or poll throw ends the job (run_guarded).
-  void run(std::span<const int> tasks, const Task& task, const Done& done, const Poll& poll);
+  /// it works on a task of its own. What task, done or poll throw ends the job (run_guarded). False if a
+  /// signal has stopped a task, or rank 0 before it had handed out all: those that go on are waited for.
+  [[nodiscard]] bool run(std::span<const int> tasks,
+                         const Task& task,
+                         const Done& done,
+                         const Poll& poll);
 
  private:
   MPI_Comm comm_ = MPI_COMM_NULL;

@@ -1,5 +1,6 @@
 // What all studies of many runs share on disk: plan.json says what is run, results.csv grows by a row a
-// run, scenes/ has the resolved scenes; a killed study goes on with --resume.
+// run, scenes/ has the resolved scenes; a killed study goes on with --resume, also inside a run
+// (study_run.hpp).
 #pragma once
 
 #include "stylet/output/folder.hpp"

@@ -79,6 +79,7 @@ tissue:
   plane: strain
   regions: {tissue: {youngs_modulus: 60 kPa, poisson_ratio: 0.3, density: 1 g/cm^3}}
 procedure: {file: "a b/procedure.yaml"}
+start: {from: checkpoints/00000010.h5}
 image: {file: a.png, origin: [1 cm, -2 mm], size: [3 cm, 0.1 m], seed: 3, attenuation: 7.25 1/m,
         shadow: 0.3}
 expect: [{quantity: seeds.3.placement_error, max: 1 mm}]

@@ -1,0 +1,83 @@
+#include "stylet/simulation/start.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/scene/check.hpp"
+#include "stylet/scene/loader.hpp"
+#include "stylet/scene/writer.hpp"
+#include "stylet/simulation/checkpoint.hpp"
+#include "stylet/simulation/model.hpp"
+
+#include <algorithm>
+
+namespace stylet {
+
+namespace {
+
+/// A number of the state.
+std::size_t stored(const Archive::Columns& state, const std::string& name) {
+  const auto column = state.find(name);
+  if (column == state.end()) return 0;
+  const auto* numbers = std::get_if<std::vector<std::int64_t>>(&column->second.values);
+  return numbers == nullptr || numbers->empty() ? 0 : static_cast<std::size_t>(numbers->front());
+}
+
+/// The scene as far as it has happened, with all that may be another from there on left out.
+Scene past_of(Scene scene, std::size_t n_entered, std::size_t n_actions) {
+  scene.start.reset();
+  scene.output = {};
+  scene.expect.clear();
+  scene.targets.clear();
+  scene.image.reset();
+  const TimeParameters any;
+  scene.time.step = any.step;
+  scene.time.duration = any.duration;
+  scene.time.until_implanted = any.until_implanted;
+  if (scene.needles.size() > n_entered) scene.needles.resize(n_entered);
+  if (n_entered == 0 || scene.needles.size() < n_entered) return scene;
+  auto& motion = scene.needles.back().motion;
+  if (motion.size() > n_actions) motion.resize(n_actions);
+  for (auto& needle : scene.needles) {
+    for (Action& action : needle.motion) action.target.clear();
+  }
+  return scene;
+}
+
+}  // namespace
+
+StartState state_to_start_from(MPI_Comm comm, Scene scene, const std::string& mesh_fingerprint) {
+  const std::string path = path_in(scene, scene.start->from);
+  std::string fault;
+  auto loaded = load_checkpoint(comm, path, fault);
+  if (!loaded) refuse_key(scene, "start.from", "is no whole checkpoint: " + fault);
+  const Scene before = in_needle_frame(load_scene(path, loaded->about.scene, {}));
+  if (scene.procedure || before.procedure) {
+    refuse_key(scene, "start.from",
+               "a recorded hand tells all of a procedure; allowed: two scenes with needles of "
+               "their own, or without");
+  }
+  StartState start;
+  start.other_step = before.time.step != scene.time.step;
+  const std::size_t n_entered =
+      before.needles.empty() ? 0 : stored(loaded->state, "hand/n_entered");
+  std::size_t n_actions = 0;
+  if (n_entered > 0) {
+    const std::size_t present = stored(loaded->state, "hand/motion/at");
+    n_actions = std::min(present + 1, before.needles[n_entered - 1].motion.size());
+  }
+  const std::string t = exact(loaded->about.time) + " s";
+  if (scene.needles.empty() && scene.time.duration <= loaded->about.time) {
+    refuse_key(scene, "time.duration",
+               "allowed: more than " + t + ", where " + path + " leaves off");
+  }
+  const CheckpointAbout past{to_yaml(past_of(before, n_entered, n_actions)), loaded->about.mesh};
+  const Scene now = past_of(std::move(scene), n_entered, n_actions);
+  require_same_physics(past, path, now, {to_yaml(now), mesh_fingerprint},
+                       "allowed where a scene starts from it: other targets, image, output, "
+                       "expect, time.step and end, and other needles and actions after t = " +
+                           t);
+  start.state = std::move(loaded->state);
+  return start;
+}
+
+}  // namespace stylet
