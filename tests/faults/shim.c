@@ -77,7 +77,8 @@ static int is_full(long more) {
 
 static ssize_t put(int descriptor, const char* data, size_t size, off_t at, int has_place) {
   const int is_here = is_meant_open(descriptor);
-  if (!is_here) return has_place ? REAL(pwrite)(descriptor, data, size, at) : REAL(write)(descriptor, data, size);
+  if (!is_here && has_place) return REAL(pwrite)(descriptor, data, size, at);
+  if (!is_here) return REAL(write)(descriptor, data, size);
   const int last = counted();
   if (is_full((long)size)) {
     errno = ENOSPC;

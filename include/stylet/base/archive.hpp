@@ -48,7 +48,7 @@ class Archive {
   void finish() const;
 
   /// A number, a text, a choice, an optional, a list, or what has an `archive` of its own. Throws InputError
-  /// where what is to be loaded is not there or of another kind.
+  /// where what is to be loaded is not there, of another kind or no number, NumericalError to store none.
   template <class T>
   void operator()(const std::string& name, T& value) {
     const Below below(*this, name);
