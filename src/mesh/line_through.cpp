@@ -9,23 +9,28 @@ namespace stylet {
 
 namespace {
 
-// Round-off of a barycentric coordinate: cells overlap by so much of their size.
+// Round-off of a barycentric coordinate: a line whose one changes by less within a cell is parallel to a face.
 constexpr double on_face = 1e-9;
-// What touches the tissue at a node or an edge is shorter than this part of a cell.
+// Of the size of a cell: smaller gaps are round-off, and shorter stretches touch the tissue.
 constexpr double touch = 1e-6;
+
+double size_of(const Mesh& mesh, int c) {
+  return std::cbrt(mesh.cell_measure(c));
+}
 
 std::optional<Stretch> within(const Mesh& mesh, int c, ReferencePlace start, Vector3 direction) {
   const auto t = mesh.tetrahedron(c);
+  const double size = size_of(mesh, c);
   Stretch stretch{0, std::numeric_limits<double>::infinity(), c};
   for (std::size_t i = 0; i < 4; ++i) {
     const ReferencePlace a = t[(i + 1) % 4];
     const Vector3 normal = cross(t[(i + 2) % 4] - a, t[(i + 3) % 4] - a);
     const double height = dot(t[i] - a, normal);
     // The barycentric coordinate of this corner, and its change with the distance.
-    const double at_start = dot(start - a, normal) / height + on_face;
+    const double at_start = dot(start - a, normal) / height;
     const double slope = dot(direction, normal) / height;
-    if (slope == 0) {
-      if (at_start < 0) return std::nullopt;
+    if (std::abs(slope) * size < on_face) {
+      if (at_start < -on_face) return std::nullopt;
       continue;
     }
     double& end = slope > 0 ? stretch.from : stretch.to;
@@ -43,18 +48,19 @@ std::optional<Stretch> first_stretch(const Mesh& mesh, ReferencePlace start, Vec
     if (const auto piece = within(mesh, c, start, direction)) pieces.push_back(*piece);
   }
   std::ranges::stable_sort(pieces, {}, &Stretch::from);
+  const auto touches = [&](const Stretch& stretch) {
+    return stretch.to - stretch.from <= touch * size_of(mesh, stretch.cell);
+  };
   std::optional<Stretch> first;
   for (const Stretch& piece : pieces) {
-    if (first && piece.from <= first->to) {
+    if (first && piece.from <= first->to + touch * size_of(mesh, piece.cell)) {
       first->to = std::max(first->to, piece.to);
       continue;
     }
-    if (first && first->to - first->from > touch * std::cbrt(mesh.cell_measure(first->cell))) break;
+    if (first && !touches(*first)) break;
     first = piece;
   }
-  if (first && first->to - first->from <= touch * std::cbrt(mesh.cell_measure(first->cell))) {
-    first.reset();
-  }
+  if (first && touches(*first)) first.reset();
   return first;
 }
 

@@ -2,7 +2,6 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
-#include "stylet/mesh/line_through.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +17,12 @@ constexpr double least_inside = 0.25;
 // Two stations on (0, 1).
 constexpr std::array<double, 2> gauss{0.2113248654051871, 0.7886751345948129};
 
-std::string text_of(ReferencePlace x) {
-  return "(" + ten_digits(1e3 * x.x) + ", " + ten_digits(1e3 * x.y) + ", " + ten_digits(1e3 * x.z) +
-         ") mm";
+std::string text_of(Vector3 v) {
+  return "(" + ten_digits(v.x) + ", " + ten_digits(v.y) + ", " + ten_digits(v.z) + ")";
+}
+
+std::string in_mm(ReferencePlace x) {
+  return text_of(1e3 * (x - ReferencePlace{})) + " mm";
 }
 
 Vector3 unit(Vector3 v) {
@@ -58,6 +60,16 @@ double mean_edge(const Mesh& mesh) {
   return sum / (6.0 * mesh.n_cells());
 }
 
+Stretch way(const Mesh& mesh, ReferencePlace start, Vector3 direction, double depth) {
+  auto stretch = first_stretch(mesh, start, direction);
+  if (!stretch) {
+    throw InputError("a needle at " + in_mm(start) + " in direction " + text_of(direction) +
+                     " misses the tissue");
+  }
+  stretch->to = std::min(stretch->to, stretch->from + depth);
+  return *stretch;
+}
+
 CellGrid grid_around(
     const Mesh& mesh, ReferencePlace a, ReferencePlace b, double radius, double edge) {
   const Vector3 margin{radius, radius, radius};
@@ -74,25 +86,33 @@ EmbeddedTrack::EmbeddedTrack(const Mesh& mesh,
                              double depth,
                              const TrackLayout& layout,
                              const std::vector<RegionModuli>& regions)
-    : axes_(axes_of(direction)),
+    : EmbeddedTrack(mesh,
+                    start,
+                    axes_of(direction),
+                    way(mesh, start, unit(direction), depth),
+                    layout,
+                    regions) {}
+
+EmbeddedTrack::EmbeddedTrack(const Mesh& mesh,
+                             ReferencePlace start,
+                             const std::array<Vector3, 3>& axes,
+                             const Stretch& stretch,
+                             const TrackLayout& layout,
+                             const std::vector<RegionModuli>& regions)
+    : skin_(start + stretch.from * axes[0]),
+      axes_(axes),
+      segments_(cut(stretch.to - stretch.from, layout.segment)),
       rest_(layout.radius,
             kernel_rings(layout.kernel_radius, layout.radius, layout.rings),
-            depth,
+            segments_.back().to,
             layout.below_skin) {
-  const auto stretch = first_stretch(mesh, start, axes_[0]);
-  if (!stretch) {
-    throw InputError("a needle at " + text_of(start) + " in direction " +
-                     text_of(ReferencePlace{} + axes_[0]) + " misses the tissue");
-  }
-  skin_ = start + stretch->from * axes_[0];
-  segments_ = cut(std::min(depth, stretch->to - stretch->from), layout.segment);
   const auto rings = kernel_rings(layout.kernel_radius, layout.radius, layout.rings);
   const double edge = mean_edge(mesh);
   const CellGrid grid =
       grid_around(mesh, skin_, at(segments_.back().to), rings.back().radius, edge);
   for (TrackSegment& segment : segments_) {
     const auto middle = grid.find(at((segment.from + segment.to) / 2));
-    const int cell = middle ? middle->cell : stretch->cell;
+    const int cell = middle ? middle->cell : stretch.cell;
     const auto& moduli = regions[static_cast<std::size_t>(mesh.region(cell))];
     segment.shear_modulus = moduli.shear_modulus;
     segment.poisson_ratio = moduli.poisson_ratio;
@@ -129,7 +149,7 @@ std::vector<EmbeddedTrack::NodeShare> EmbeddedTrack::mean_over(const Mesh& mesh,
   if (inside < least_inside) {
     throw InputError(
         "the kernel of a needle lies outside the tissue by more than three quarters at " +
-        text_of(at(segment.from)) + ": kernel_radius has to be smaller there");
+        in_mm(at(segment.from)) + ": kernel_radius has to be smaller there");
   }
   std::vector<NodeShare> shares;
   for (const auto& [node, share] : of_node) shares.push_back({node, share / inside});

@@ -5,6 +5,7 @@
 
 #include "stylet/geometry/points.hpp"
 #include "stylet/mesh/cell_grid.hpp"
+#include "stylet/mesh/line_through.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/rest_compliance.hpp"
 #include "stylet/solvers/track_operator.hpp"
@@ -31,9 +32,9 @@ struct TrackLayout {
 
 class EmbeddedTrack final : public TrackOperator {
  public:
-  /// The line from `start` (at or before the skin) in `direction` (of any length), as far as `depth`
-  /// behind the skin (m), or to where it leaves the tissue. The mesh is used here only. Throws InputError
-  /// for a line that misses the tissue, and for a kernel that is mostly outside of it.
+  /// The line from `start` (at or before the skin) in `direction` (of any length but 0), as far as `depth`
+  /// behind the skin (m), or to where it leaves the tissue. regions: one each of the mesh's. Throws
+  /// InputError for a line that misses the tissue, and for a kernel that is mostly outside of it.
   EmbeddedTrack(const Mesh& mesh,
                 ReferencePlace start,
                 Vector3 direction,
@@ -60,6 +61,13 @@ class EmbeddedTrack final : public TrackOperator {
   [[nodiscard]] double rest(TrackPlace a, TrackPlace b) const override;
 
  private:
+  EmbeddedTrack(const Mesh& mesh,
+                ReferencePlace start,
+                const std::array<Vector3, 3>& axes,
+                const Stretch& stretch,
+                const TrackLayout& layout,
+                const std::vector<RegionModuli>& regions);
+
   struct NodeShare {
     int node;
     double share;
