@@ -49,6 +49,12 @@ std::vector<TrackSegment> cut(double depth, double length) {
   return segments;
 }
 
+TrackSegment covered_part(TrackSegment segment, double from, double to) {
+  segment.from = std::max(segment.from, from);
+  segment.to = std::min(segment.to, to);
+  return segment;
+}
+
 double mean_edge(const Mesh& mesh) {
   double sum = 0;
   for (int c = 0; c < mesh.n_cells(); ++c) {
@@ -171,6 +177,30 @@ double EmbeddedTrack::rest(TrackPlace a, TrackPlace b) const {
   if (a.component != b.component) return 0;
   if (a.component == Component::along) return rest_.along(segment(a.point), segment(b.point));
   return rest_.across(segment(a.point), segment(b.point));
+}
+
+std::vector<PointShare> EmbeddedTrack::shares(double from, double to) const {
+  std::vector<PointShare> shares;
+  for (int i = 0; i < size(); ++i) {
+    const double covered = covered_part(segment(i), from, to).length();
+    if (covered > 0) shares.push_back({i, covered / (to - from)});
+  }
+  return shares;
+}
+
+double EmbeddedTrack::rest_of_ends(double from, double to) const {
+  const auto parts = shares(from, to);
+  double sum = 0;
+  for (const auto& [i, share] : parts) {
+    const TrackSegment part = covered_part(segment(i), from, to);
+    const bool whole = part.length() == segment(i).length();
+    for (const auto& [j, other_share] : parts) {
+      const TrackSegment other = covered_part(segment(j), from, to);
+      if (whole && other.length() == segment(j).length()) continue;
+      sum += share * other_share * (rest_.along(part, other) - rest_.along(segment(i), segment(j)));
+    }
+  }
+  return sum;
 }
 
 }  // namespace stylet

@@ -8,6 +8,7 @@
 #include "stylet/mesh/line_through.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/rest_compliance.hpp"
+#include "stylet/needle/track_view.hpp"
 #include "stylet/solvers/track_operator.hpp"
 
 #include <array>
@@ -59,6 +60,12 @@ class EmbeddedTrack final : public TrackOperator {
   /// others stand in for them.
   [[nodiscard]] SparseRow row(TrackPlace place) const override;
   [[nodiscard]] double rest(TrackPlace a, TrackPlace b) const override;
+
+  /// Of a load that is even between two depths (m, on the track): how its segments share it.
+  [[nodiscard]] std::vector<PointShare> shares(double from, double to) const;
+  /// Segments that the load covers in part bear it over all of their length. Its mean displacement along
+  /// the needle by a unit of it is larger than theirs by this (m/N): nothing where it ends with segments.
+  [[nodiscard]] double rest_of_ends(double from, double to) const;
 
  private:
   EmbeddedTrack(const Mesh& mesh,

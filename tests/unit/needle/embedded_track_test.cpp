@@ -165,6 +165,30 @@ TEST(EmbeddedTrack, ComplianceTakesTheModuliOfTheRegions) {
             track.rest({5, Component::across_too}, {6, Component::across_too}));
 }
 
+// Wherever a load begins and ends: its own compliance is that of the even load.
+TEST(EmbeddedTrack, EvenLoadsBetweenTheEndsOfSegments) {
+  const Mesh mesh = make_body();
+  const EmbeddedTrack track(mesh, {0, 0.025, 0.02}, {1, 0, 0}, 0.03, layout(), soft);
+  const RestCompliance exact(0.635e-3, kernel_rings(8e-3, 0.635e-3, 8), 0.03, false);
+  for (const double to : {0.02, 0.0203, 0.0205, 0.0209}) {
+    const double from = to - 0.006;
+    double total = 0;
+    double own = track.rest_of_ends(from, to);
+    const auto shares = track.shares(from, to);
+    for (const auto& [i, share] : shares) {
+      total += share;
+      for (const auto& [j, other] : shares) {
+        own += share * other * track.rest({i, Component::along}, {j, Component::along});
+      }
+    }
+    EXPECT_NEAR(total, 1, 1e-14);
+    const TrackSegment zone{from, to, 20e3, 0.3};
+    EXPECT_NEAR(own / exact.along(zone, zone), 1, 1e-10) << to;
+  }
+  EXPECT_NEAR(track.rest_of_ends(0.014, 0.02) * 20e3, 0, 1e-10);
+  EXPECT_GT(track.rest_of_ends(0.0145, 0.0205) * 20e3, 0.1);  // 1/m
+}
+
 TEST(EmbeddedTrack, WhatMissesTheTissueIsRefused) {
   const Mesh mesh = make_body();
   EXPECT_THAT(
