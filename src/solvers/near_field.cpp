@@ -359,7 +359,7 @@ NearField::Solution NearField::solve_here(std::span<const double> extra, const D
           "alike, the scene has numbers that are too large or too small");
     }
     if (!(compliance > 0)) throw_all_held();
-    solution.lambda = (demand.value - reached) / compliance;
+    solution.lambda = (demand.value - reached) / (compliance + demand.rest);
     for (std::size_t i = 0; i < n; ++i) x[i] += solution.lambda * response[i];
   }
   for (const auto& g : demand.given) {

@@ -76,20 +76,18 @@ std::vector<double> NearField::compliance(std::size_t from) {
   if (only_dofs_) {
     return whole_.inverse_entries(coordinates_, std::span(coordinates_).subspan(from));
   }
-  if (!column_) check(VecDuplicate(correction_.get(), column_.put()));
-  std::vector<double> w;
+  std::vector<SparseRow> b;  // eliminated dofs do not move
+  for (std::size_t i = 0; i < size(); ++i) {
+    b.push_back(is_row(i) ? rows_[i] : SparseRow{{coordinates_[i], 1}});
+    std::erase_if(b.back(), [&](const DofValue& entry) { return held_.contains(entry.dof); });
+  }
+  std::vector<double> w = whole_.inverse_entries(b, from);
   for (std::size_t j = from; j < size(); ++j) {
-    std::vector<double> unit(size(), 0.0);
-    unit[j] = 1;
-    answer(unit, false, column_.get());
-    const Vec vectors[1] = {column_.get()};
-    std::vector<double> column = values(vectors)[0];
     for (std::size_t i = 0; i < size() && is_row(j); ++i) {
       if (!is_row(i)) continue;
-      column[i] +=
+      w[(j - from) * size() + i] +=
           track_->rest(place_of(n_dofs_, coordinates_[i]), place_of(n_dofs_, coordinates_[j]));
     }
-    w.insert(w.end(), column.begin(), column.end());
   }
   return w;
 }

@@ -302,6 +302,33 @@ std::vector<double> WholeSolver::inverse_entries(std::span<const int> rows,
   return entries;
 }
 
+std::vector<double> WholeSolver::inverse_entries(std::span<const SparseRow> rows,
+                                                 std::size_t from) {
+  if (ours_) return cholesky_.inverse_entries(rows, from);
+  std::vector<int> behind;
+  for (const auto& row : rows) {
+    for (const auto& [dof, weight] : row) behind.push_back(dof);
+  }
+  std::vector<double> entries;
+  for (const auto& column : rows.subspan(from)) {
+    std::vector<int> dofs;
+    std::vector<double> values;
+    for (const auto& [dof, weight] : column) {
+      dofs.push_back(dof);
+      values.push_back(weight);
+    }
+    respond(dofs, values, false, column_.get());
+    const Vec vectors[1] = {column_.get()};
+    const auto u = gather(vectors, behind)[0];
+    auto next = u.begin();
+    for (const auto& row : rows) {
+      double& entry = entries.emplace_back(0.0);
+      for (const auto& [dof, weight] : row) entry += weight * *next++;
+    }
+  }
+  return entries;
+}
+
 void WholeSolver::load(Vec b) {
   loaded_ = true;
   b_ = b;

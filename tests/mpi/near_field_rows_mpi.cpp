@@ -85,6 +85,7 @@ struct Problem {
   [[nodiscard]] static double mean() { return 0.02; }
   [[nodiscard]] static double pull(int i) { return 0.4 * std::cos(2 + i); }
   [[nodiscard]] static double stiffness() { return 3e3; }  // about that of the tissue
+  double rest = 0;
 };
 
 class NearFieldRows : public testing::Test {
@@ -154,6 +155,7 @@ class NearFieldRows : public testing::Test {
     for (const int i : p.given) demand.given.push_back({at(i), Problem::value(i)});
     for (const int i : p.weighed) demand.weights.push_back({at(i), Problem::weight(i)});
     demand.value = Problem::mean();
+    demand.rest = p.rest;
     for (const int i : p.sprung) {
       demand.springs.push_back({at(i), Problem::pull(i), Problem::stiffness()});
     }
@@ -202,7 +204,7 @@ class NearFieldRows : public testing::Test {
   }
 
   /// Unknowns x, f and lambda: A x - B^T f = b; given: B x + C f = value; else f = extra + lambda w, and
-  /// what springs pull with, less stiffness (B x + C f); w (B x + C f) = mean.
+  /// what springs pull with, less stiffness (B x + C f); w (B x + C f) + rest lambda = mean.
   Answer dense(const Problem& p) {
     const auto n = static_cast<std::size_t>(n_);
     const std::size_t m = p.coordinates.size();
@@ -246,7 +248,10 @@ class NearFieldRows : public testing::Test {
     }
     if (p.weighed.empty()) system.a(n + m, n + m) = 1;
     for (const int i : p.weighed) feels(n + m, static_cast<std::size_t>(i), Problem::weight(i));
-    if (!p.weighed.empty()) system.b(n + m) = Problem::mean();
+    if (!p.weighed.empty()) {
+      system.b(n + m) = Problem::mean();
+      system.a(n + m, n + m) = p.rest;
+    }
     const auto all = system.solve();
     const auto from = [&](std::size_t k) { return all.begin() + static_cast<std::ptrdiff_t>(k); };
     Answer answer{{from(0), from(n)}, {}, {from(n), from(n + m)}, all[n + m]};
@@ -303,6 +308,10 @@ TEST_F(NearFieldRows, RowsWithTheirOwnCompliance) {
 
 TEST_F(NearFieldRows, TheMeanOfRowsIsGivenWhileOthersAreHeldAndPushed) {
   expect_same({{row(0), row(1), row(2), row(3), row(4)}, {0, 1}, {2, 3}, {4}, {}});
+}
+
+TEST_F(NearFieldRows, TheMeanHasARestOfItsOwn) {
+  expect_same({{row(0), row(1), row(2), row(3), row(4)}, {0, 1}, {2, 3}, {4}, {}, 3e-4});
 }
 
 TEST_F(NearFieldRows, SpringsPullAtRowsAndDofs) {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "stylet/petsc/owned.hpp"
+#include "stylet/solvers/track_operator.hpp"
 
 #include <cholmod.h>
 #include <cstdint>
@@ -38,6 +39,9 @@ class Cholesky {
   /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
                                                     std::span<const int> columns);
+  /// Collective. Entries of B A^-1 B^T with these rows of B, columns from the `from`-th on, in the same order.
+  [[nodiscard]] std::vector<double> inverse_entries(std::span<const SparseRow> rows,
+                                                    std::size_t from);
 
   /// Collective. The forward solve of A y = b.
   void load(Vec b);
@@ -73,6 +77,8 @@ class Cholesky {
   [[nodiscard]] Path path_of(std::span<const int> dofs);
   void compact(Path& path);
   void uncompact();
+  template <class Rows>
+  [[nodiscard]] std::vector<double> entries_between(const Rows& rows, const Rows& columns);
   [[nodiscard]] Index place(Index row) const {
     if (!compacted_) return row;
     const auto s = static_cast<std::size_t>(front_of_[static_cast<std::size_t>(row)]);

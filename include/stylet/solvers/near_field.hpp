@@ -81,6 +81,7 @@ class NearField {
     std::vector<Given> given;
     std::vector<Given> weights;   ///< of the mean condition, or empty
     double value = 0;             ///< of it
+    double rest = 0;              ///< what its mean moves beyond them by a unit of lambda (m/N)
     std::vector<Spring> springs;  ///< not at given coordinates; each has one at most
   };
   struct Solution {
@@ -149,7 +150,6 @@ class NearField {
   std::vector<double> stiffness_;  ///< of springs
   std::size_t valid_ = 0;          ///< leading rows of l_ that hold
   OwnedVec correction_;
-  OwnedVec column_;  ///< of A0^-1 B^T
   std::vector<double> y_near_;
   std::vector<double> s_y_;
 };

@@ -48,6 +48,9 @@ class WholeSolver {
   /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
                                                     std::span<const int> columns);
+  /// Collective. Entries of B A^-1 B^T with these rows of B, columns from the `from`-th on, in the same order.
+  [[nodiscard]] std::vector<double> inverse_entries(std::span<const SparseRow> rows,
+                                                    std::size_t from);
 
   /// Collective. y = A^-1 b, as far as `loaded` and `respond` need it. b is lent until the next load
   /// or unload.
