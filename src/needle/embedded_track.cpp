@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/mesh/embedded_point.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,8 @@ namespace {
 
 // Of the kernel, that has to lie in the tissue: with less the needle hardly touches it.
 constexpr double least_inside = 0.25;
+// Of a segment: a start that is no deeper lies on the skin.
+constexpr double on_skin = 1e-3;
 // Two stations on (0, 1).
 constexpr std::array<double, 2> gauss{0.2113248654051871, 0.7886751345948129};
 
@@ -66,7 +69,12 @@ double mean_edge(const Mesh& mesh) {
   return sum / (6.0 * mesh.n_cells());
 }
 
-Stretch way(const Mesh& mesh, ReferencePlace start, Vector3 direction, double depth) {
+Stretch way(
+    const Mesh& mesh, ReferencePlace start, Vector3 direction, double depth, double segment) {
+  if (locate(mesh, start + -on_skin * segment * direction)) {
+    throw InputError("a needle at " + in_mm(start) + " in direction " + text_of(direction) +
+                     " begins inside the tissue: it has to begin on the skin, or before it");
+  }
   auto stretch = first_stretch(mesh, start, direction);
   if (!stretch) {
     throw InputError("a needle at " + in_mm(start) + " in direction " + text_of(direction) +
@@ -95,7 +103,7 @@ EmbeddedTrack::EmbeddedTrack(const Mesh& mesh,
     : EmbeddedTrack(mesh,
                     start,
                     axes_of(direction),
-                    way(mesh, start, unit(direction), depth),
+                    way(mesh, start, unit(direction), depth, layout.segment),
                     layout,
                     regions) {}
 
