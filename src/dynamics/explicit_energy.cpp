@@ -1,4 +1,4 @@
-// What explicit steps store, and what of it is right.
+// Which explicit steps are stable, what they store, and what of it is right.
 #include "stylet/dynamics/explicit_newmark.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/session.hpp"
@@ -7,6 +7,13 @@
 #include <cmath>
 
 namespace stylet {
+
+double stable_step(double omega_squared, double stiffness_factor) {
+  const double omega = std::sqrt(omega_squared);
+  const double xi = 0.5 * stiffness_factor * omega;
+  // 2 (sqrt(1 + xi^2) - xi) / omega without cancellation.
+  return 2 / (omega * (std::sqrt(1 + xi * xi) + xi));
+}
 
 StoredEnergy ExplicitNewmark::energy(const State& state) {
   cells_.stiffness(state.u.get(), work_.get());

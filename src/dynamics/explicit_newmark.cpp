@@ -10,16 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace stylet {
-
-double stable_step(double omega_squared, double stiffness_factor) {
-  const double omega = std::sqrt(omega_squared);
-  const double xi = 0.5 * stiffness_factor * omega;
-  // 2 (sqrt(1 + xi^2) - xi) / omega without cancellation.
-  return 2 / (omega * (std::sqrt(1 + xi * xi) + xi));
-}
 
 ExplicitNewmark::ExplicitNewmark(TissueOperator& tissue,
                                  const Mesh& mesh,
@@ -395,7 +389,9 @@ void ExplicitNewmark::accept() {
   std::swap(state_->v, v_);
   std::swap(state_->a, a_);
   state_->t += h_;
-  check(TSMonitor(ts_.get(), ++n_steps_, state_->t, state_->u.get()));
+  constexpr long long most = std::numeric_limits<PetscInt>::max();  // then PETSc counts anew
+  const auto step = static_cast<PetscInt>(++n_steps_ & most);
+  check(TSMonitor(ts_.get(), step, state_->t, state_->u.get()));
 }
 
 }  // namespace stylet

@@ -70,7 +70,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   CellOperator cells_;
   std::vector<double> pressure_;  ///< room for it
   OwnedTs ts_;
-  PetscInt n_steps_ = 0;  ///< accepted
+  long long n_steps_ = 0;  ///< accepted
   State* state_ = nullptr;
   Vec load_ = nullptr;
   double h_ = 0;
