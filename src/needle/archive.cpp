@@ -112,6 +112,7 @@ void Motion::archive(Archive& archive) {
   archive("h", h_);
   archive("left", left_);
   if (at_ > actions_.size()) throw InputError("an action of a needle's motion is none");
+  if (archive.loads()) go_on(false);  // what follows now may be over where the tip stands
 }
 
 void Track::archive(Archive& archive) {

@@ -125,6 +125,8 @@ void Schedule::archive(Archive& archive) {
         "key 'time.until': is implanted, and the state is one after the last seed was left; begin "
         "anew with --force, or leave it as it was");
   }
+  // More needles or seeds may follow now.
+  if (archive.loads()) last_seed_left_ = last_seed_left_ && no_more && !implants;
   if (needles_.empty() && duration != duration_) motion_.change_end(duration);
   archive("settling", settling_);
   archive("ended", ended_);

@@ -54,7 +54,8 @@ void Body::rewritten(std::span<const int> touched, std::span<const NodeEdit> mov
     set(state_.a.get(), move.state.a);
   }
   if (tissue_->update(mesh(), touched)) ++rewrites_.pattern_rebuilds;
-  if (conditions_.has_body_force()) update_load(load_time_);
+  const auto on_skin = [&](const NodeEdit& move) { return mesh().on_boundary(move.node); };
+  if (conditions_.has_body_force() || std::ranges::any_of(moves, on_skin)) update_load(load_time_);
   integrator_->touched(mesh(), touched);
   ledger_.edited(ledger_.within(*tissue_, rows, state_) - before);
   relocate(mesh(), touched, riders_);

@@ -300,7 +300,7 @@ ordered_json summarise(MPI_Comm comm,
   ordered_json summary;
   summary["status"] = status;
   summary["scene"] = scene.file;
-  if (scene.start) summary["start"] = scene.start->from;
+  if (scene.start) summary["fingerprints"]["start"] = simulation.start_fingerprint();
   summary["time"] = simulation.time();
   summary["seeds"] = ordered_json::array();
   std::vector<EmbeddedPoint> places;

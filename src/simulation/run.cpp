@@ -15,6 +15,7 @@
 #include "stylet/simulation/picture.hpp"
 #include "stylet/simulation/recorder.hpp"
 #include "stylet/simulation/score.hpp"
+#include "stylet/simulation/start.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -263,27 +264,6 @@ std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
 
 }  // namespace
 
-std::string output_folder(const Scene& scene, const RunOptions& options) {
-  if (!options.output.empty()) return options.output;
-  if (!scene.output.directory.empty()) return scene.output.directory;
-  return "out/" + std::filesystem::path(scene.file).stem().string();
-}
-
-Scene with_absolute_paths(Scene scene) {
-  const auto make_absolute = [&](std::string& name) {
-    name = std::filesystem::absolute(path_in(scene, name)).lexically_normal().string();
-  };
-  if (auto* file = std::get_if<std::string>(&scene.mesh.source)) make_absolute(*file);
-  if (scene.procedure) make_absolute(scene.procedure->file);
-  if (scene.image && !scene.image->file.empty()) make_absolute(scene.image->file);
-  if (scene.start) make_absolute(scene.start->from);
-  return scene;
-}
-
-std::string resolved_text(Scene scene) {
-  return to_yaml(with_absolute_paths(std::move(scene)));
-}
-
 RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   RunOutcome outcome;
   outcome.folder = output_folder(scene, options);
@@ -313,6 +293,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
   const Earlier earlier = options.force    ? Earlier::replace
                           : options.resume ? Earlier::keep
                                            : Earlier::refuse;
+  if (options.force) require_start_kept(scene, outcome.folder);
   OutputFolder folder(comm, outcome.folder, contents_of(scene), earlier, OnSignal::tell);
   if (options.resume) {
     Json before = completed_in(comm, outcome.folder);
@@ -340,6 +321,10 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
       place = std::move(*loaded->place);
       walls = std::move(loaded->about.wall_times);
     }
+  }
+  if (options.until && *options.until <= simulation.time() && !simulation.done()) {
+    throw InputError("--until " + exact(*options.until) + " s: the run goes on at t = " +
+                     exact(simulation.time()) + " s; allowed: more than that");
   }
   try {
     folder.go_on(summary_now("running"));

@@ -86,6 +86,7 @@ void Simulation::start_from_checkpoint(MPI_Comm comm) {
     refuse_key(scene_, "start", "a hand begins in tissue at rest; allowed: a scene without");
   }
   StartState start = state_to_start_from(comm, scene_, numbered().file_fingerprint);
+  start_fingerprint_ = start.fingerprint;
   restore(std::move(start.state));
   if (start.other_step) hand_->choose_step_anew();
 }

@@ -1,7 +1,9 @@
 #include "stylet/simulation/start.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/fingerprint.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/petsc/agree.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
 #include "stylet/scene/writer.hpp"
@@ -9,21 +11,29 @@
 #include "stylet/simulation/model.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace stylet {
 
 namespace {
 
-/// A number of the state.
-std::size_t stored(const Archive::Columns& state, const std::string& name) {
+/// A number of the state; 0 if there is none.
+template <class T>
+T stored(const Archive::Columns& state, const std::string& name) {
   const auto column = state.find(name);
   if (column == state.end()) return 0;
-  const auto* numbers = std::get_if<std::vector<std::int64_t>>(&column->second.values);
-  return numbers == nullptr || numbers->empty() ? 0 : static_cast<std::size_t>(numbers->front());
+  const auto* numbers = std::get_if<std::vector<T>>(&column->second.values);
+  return numbers == nullptr || numbers->empty() ? 0 : numbers->front();
 }
 
 /// The scene as far as it has happened, with all that may be another from there on left out.
 Scene past_of(Scene scene, std::size_t n_entered, std::size_t n_actions) {
+  for (auto& needle : scene.needles) {
+    for (Action& action : needle.motion) {
+      const bool implants = action.kind == ActionKind::implant && action.target.empty();
+      if (implants && scene.targets.size() == 1) action.target = scene.targets.front().name;
+    }
+  }
   scene.start.reset();
   scene.output = {};
   scene.expect.clear();
@@ -37,9 +47,6 @@ Scene past_of(Scene scene, std::size_t n_entered, std::size_t n_actions) {
   if (n_entered == 0 || scene.needles.size() < n_entered) return scene;
   auto& motion = scene.needles.back().motion;
   if (motion.size() > n_actions) motion.resize(n_actions);
-  for (auto& needle : scene.needles) {
-    for (Action& action : needle.motion) action.target.clear();
-  }
   return scene;
 }
 
@@ -59,11 +66,15 @@ StartState state_to_start_from(MPI_Comm comm, Scene scene, const std::string& me
   StartState start;
   start.other_step = before.time.step != scene.time.step;
   const std::size_t n_entered =
-      before.needles.empty() ? 0 : stored(loaded->state, "hand/n_entered");
+      before.needles.empty()
+          ? 0
+          : static_cast<std::size_t>(stored<std::int64_t>(loaded->state, "hand/n_entered"));
   std::size_t n_actions = 0;
   if (n_entered > 0) {
-    const std::size_t present = stored(loaded->state, "hand/motion/at");
-    n_actions = std::min(present + 1, before.needles[n_entered - 1].motion.size());
+    const auto done = stored<std::int64_t>(loaded->state, "hand/motion/at");
+    const bool has_begun = stored<double>(loaded->state, "hand/motion/h") > 0;
+    n_actions = std::min(static_cast<std::size_t>(done) + (has_begun ? 1 : 0),
+                         before.needles[n_entered - 1].motion.size());
   }
   const std::string t = exact(loaded->about.time) + " s";
   if (scene.needles.empty() && scene.time.duration <= loaded->about.time) {
@@ -77,7 +88,20 @@ StartState state_to_start_from(MPI_Comm comm, Scene scene, const std::string& me
                        "expect, time.step and end, and other needles and actions after t = " +
                            t);
   start.state = std::move(loaded->state);
+  start.fingerprint = fingerprint(read_on_all(comm, path));
   return start;
+}
+
+void require_start_kept(const Scene& scene, const std::string& folder) {
+  if (!scene.start) return;
+  std::error_code none;
+  const auto from = std::filesystem::weakly_canonical(path_in(scene, scene.start->from), none);
+  const auto below = std::filesystem::weakly_canonical(folder, none);
+  if (std::mismatch(below.begin(), below.end(), from.begin(), from.end()).first != below.end())
+    return;
+  refuse_key(
+      scene, "start.from",
+      "lies in " + folder + ", whose results --force would replace; allowed: another folder");
 }
 
 }  // namespace stylet

@@ -77,8 +77,10 @@ class Study {
                        ": key 'time.method': explicit steps are cut to the stable step, so there "
                        "are no step levels to study; use --step-levels 1");
     }
-    if (scene.start && options.store) {
-      refuse_key(scene, "start", "--store keeps the accuracy of scenes that begin at rest");
+    if (scene.start) {
+      refuse_key(scene, "start",
+                 "bands would leave out the error of what lies before; allowed: scenes that begin "
+                 "at rest");
     }
     if (scene.procedure && options.store) {
       refuse_key(scene, "procedure",

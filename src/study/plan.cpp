@@ -179,7 +179,7 @@ class Planner {
   /// A row of an earlier start; the same way leads through it.
   void remember(const std::vector<std::string>& row) {
     known_[{std::stoul(row[1]), numbers_of(row[2])}] = numbers_of(row[3]);
-    ++n_runs_;
+    n_runs_ = std::max(n_runs_, std::stoi(row[0]));
   }
 
   static std::string id_of(int run) {

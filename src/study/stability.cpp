@@ -269,6 +269,9 @@ class Study {
 };
 
 void check_scene(const Scene& scene, const StabilityOptions& options) {
+  if (scene.start) {
+    refuse_key(scene, "start", "stability changes methods; allowed: scenes that begin at rest");
+  }
   if (options.samples < 1) {
     throw InputError("stability: --samples " + std::to_string(options.samples) +
                      " is not at least 1");

@@ -35,7 +35,7 @@ void require_same_mesh(MPI_Comm comm, const Scene& scene, const MeshFiles& meshe
     for (const auto& [name, now] : mesh_files(comm, std::span(&scene, 1))) {
       const auto studied = meshes.find(name);
       if (studied != meshes.end() && studied->second == now) continue;
-      throw IoError(mesh_path(scene) +
+      throw IoError(path_in(scene, name) +
                     ": was changed while the study ran; with the file as it was, "
                     "--resume goes on");
     }

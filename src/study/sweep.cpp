@@ -124,14 +124,15 @@ class Sweep {
     folder.finish(summary);
   }
 
-  /// A scene for each mesh file that the runs name.
+  /// A scene for each mesh and start file that the runs name.
   [[nodiscard]] std::vector<Scene> scenes_by_mesh() const {
     std::set<std::vector<std::string>> named;
     std::vector<Scene> scenes;
     for (const auto& run : plan_.runs) {
       std::vector<std::string> changes;
-      std::ranges::copy_if(run.overrides, std::back_inserter(changes),
-                           [](const auto& change) { return change.starts_with("mesh"); });
+      std::ranges::copy_if(run.overrides, std::back_inserter(changes), [](const auto& change) {
+        return change.starts_with("mesh") || change.starts_with("start");
+      });
       if (!named.insert(changes).second) continue;
       changes.insert(changes.begin(), campaign_.set.begin(), campaign_.set.end());
       scenes.push_back(load_scene(scene_file_, scene_text_, changes));

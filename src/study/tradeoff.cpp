@@ -66,6 +66,9 @@ class Study {
         const TradeoffOptions& options)
       : comm_(comm), file_(scene_file), text_(text), changes_(changes), options_(options) {
     const Scene scene = load_scene(file_, text_, changes_);
+    if (scene.start) {
+      refuse_key(scene, "start", "tradeoff changes methods; allowed: scenes that begin at rest");
+    }
     if (scene.procedure) {
       refuse_key(scene, "procedure",
                  "tradeoff changes laws of needles; allowed: a scene with needles");

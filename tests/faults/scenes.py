@@ -133,11 +133,15 @@ class FaultTest(CliTest):
             time.sleep(0.002)
         return True
 
-    def kill(self, program):
-        """All of it at once, as a machine that goes down."""
+    def send(self, program, sent):
+        """To all of it at once."""
         for pid in [*ranks_of(program.pid), program.pid]:
             try:
-                os.kill(pid, signal.SIGKILL)
+                os.kill(pid, sent)
             except ProcessLookupError:
                 pass
+
+    def kill(self, program):
+        """As a machine that goes down."""
+        self.send(program, signal.SIGKILL)
         program.communicate()

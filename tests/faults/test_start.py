@@ -66,6 +66,49 @@ class Start(FaultTest):
         summary = json.loads((self.folder / "next/summary.json").read_text())
         self.assertEqual([seed["target"] for seed in summary["seeds"]], ["seed", "other", "seed"])
 
+    def test_a_needle_after_the_last_seed(self):
+        """The end of the run before, at its last seed, is none where another needle follows."""
+        until = ["--quiet", "--set", "time.step=20 ms", "--set", "time.until=implanted"]
+        self.assert_code(self.stylet("run", "scene.yaml", *until, "--output", "one",
+                                     "--set", "output.checkpoint.at_end=true"), 0)
+        start = self.left_by("one")
+        scene = (self.folder / "scene.yaml").read_text()
+        needle = scene[scene.index("  - height"):scene.index("targets:")]
+        self.write("next.yaml", scene.replace(
+            "targets:\n", needle.replace("3.2 cm", "2.8 cm") + "targets:\n"))
+        self.assert_code(self.stylet("run", "next.yaml", *until, "--output", "next",
+                                     "--set", f"start.from={start}"), 0)
+        self.assertEqual(len(json.loads((self.folder / "next/summary.json").read_text())["seeds"]), 2)
+
+    def test_an_action_that_ends_where_it_begins(self):
+        self.run_in("one", "--set", "needles.0.motion.2=hold: {duration: 0.1 s}",
+                    "--set", "needles.0.motion.3=hold: {duration: 0.1 s}",
+                    "--set", "output.checkpoint.at_end=true")
+        start = self.left_by("one")
+        scene = (self.folder / "scene.yaml").read_text().replace(
+            "      - settle\n", "      - hold: {duration: 0.1 s}\n      - insert: {speed: 1 cm/s, depth: 4 cm}\n"
+            "      - retract: {speed: 2 cm/s}\n").replace(
+            "      - retract: {speed: 2 cm/s}\n      - hold", "      - hold: {duration: 0.1 s}\n      - hold")
+        self.write("next.yaml", scene)
+        self.assert_code(self.stylet("run", "next.yaml", "--quiet", "--set", "time.step=20 ms",
+                                     "--output", "next", "--set", f"start.from={start}"), 0)
+
+    def test_what_it_starts_from_is_part_of_it(self):
+        self.run_in("one", "--until", "1 s")
+        start = self.left_by("one")
+        other = ["--set", f"start.from={start}"]
+        self.assert_message(self.run_in("one", "--force", *other, code=2), "start.from", "--force")
+        self.run_in("two", *other)
+        self.run_in("two", "--resume", *other)
+        self.assert_code(self.stylet("run", "scene.yaml", *SHORT, "--set", "time.step=15 ms",
+                                     "--output", "one", "--force", "--until", "1 s"), 0)
+        (self.folder / self.left_by("one")).rename(self.folder / start)
+        refused = self.run_in("two", "--resume", *other, code=2)
+        self.assert_message(refused, "two", "--force")
+        self.assert_message(self.run_in("three", "--until", "0.5 s", *other, code=2), "--until")
+        for verb in ("converge", "tradeoff", "stability"):
+            self.assert_message(self.stylet(verb, "scene.yaml", *other), "start")
+
     def test_loaded_tissue(self):
         """Loaded first, then pierced: quasi-static tissue remembers no order."""
         # Depths would be counted from the skin as it has moved.
@@ -99,6 +142,10 @@ class Start(FaultTest):
                              ("supports.top=free", "supports.top")):
             refused = self.run_in("two", "--set", f"start.from={start}", "--set", change, code=2)
             self.assert_message(refused, name, start)
+        self.run_in("late", "--until", "2.4 s")  # the seed is left
+        refused = self.run_in("two", "--set", f"start.from={self.left_by('late')}",
+                              "--set", "targets={other: [4 cm, 3.2 cm]}", code=2)
+        self.assert_message(refused, "implant.target", "other", "seed")
         torn = self.folder / start
         torn.write_bytes(torn.read_bytes()[:-100])
         refused = self.run_in("two", "--set", f"start.from={start}", code=2)

@@ -72,5 +72,18 @@ TEST(ManyNeedles, TissueInMotionIsTakenOver) {
   EXPECT_LT(std::abs(energies.edits), 0.05 * energies.external) << energies.edits;
 }
 
+// A body force of next to nothing makes loads anew with every edit, which changes nothing.
+TEST(ManyNeedles, TractionsFollowTheSkin) {
+  const auto error = [](const std::string& body) {
+    const std::string loads =
+        "loads: {traction: [{curve: right, force: [8 N/m, 0 N/m]}]" + body + "}\n";
+    Simulation simulation(MPI_COMM_WORLD,
+                          scene_of(loads + tissue + needle("2.83 cm") + needle("3.37 cm")), false);
+    run_to_end(simulation);
+    return simulation.placement_errors().at(1);
+  };
+  EXPECT_NEAR(error(""), error(", body: [{force: [1e-9 N/m^3, 0 N/m^3]}]"), 1e-9);
+}
+
 }  // namespace
 }  // namespace stylet

@@ -130,16 +130,19 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
             return "PENDING" in self.call("squeue", "--noheader", "--format=%T", "--jobs", job)
 
         self.wait_for(is_pending, "the requeued job", sys.exit, PATIENCE)
+        time.sleep(2)  # a node takes no job back in the second in which it was revoked
         self.call("scontrol", "update", f"JobId={job}", "StartTime=now")
 
     def finish(self, *jobs):
         """Waits until all of them have ended, in whatever way."""
         going = {"PENDING", "RUNNING", "COMPLETING", "CONFIGURING", "REQUEUED", "SUSPENDED"}
         end = time.monotonic() + PATIENCE
+        settled = 0  # a job that requeues itself has failed for a moment
         while time.monotonic() < end:
             states = self.call("squeue", "--noheader", "--states=all", "--format=%T", "--jobs",
                                ",".join(jobs)).split()
-            if states and not going.intersection(states):
+            settled = settled + 1 if states and not going.intersection(states) else 0
+            if settled == 10:
                 return
             time.sleep(0.2)
         sys.exit(f"jobs {jobs} do not end: {self.call('squeue', '--long')}\n{self.logs()}")
@@ -167,6 +170,19 @@ def results(folder):
                 for row in csv.DictReader(file)]
 
 
+def alike(rows, others):
+    """Texts the same, numbers but for the round-off of a checkpoint that only one of them has made."""
+    def is_close(a, b):
+        try:
+            return a == b or abs(float(a) - float(b)) < 1e-9 * abs(float(a))
+        except ValueError:
+            return False
+
+    return len(rows) == len(others) and all(
+        row.keys() == other.keys() and all(is_close(row[key], other[key]) for key in row)
+        for row, other in zip(rows, others))
+
+
 def check(cluster):
     folder = cluster.folder
     (folder / "scene.yaml").write_text(NEEDLE_SCENE)
@@ -177,7 +193,7 @@ def check(cluster):
     assert len(plain) == 6 and {row["status"] for row in plain} == {"done"}, plain
 
     # In two turns: it writes its state when its time is about to be over, and goes on from there.
-    changes = ["--set", "time.until=implanted", "--set", "needles.0.motion.0.depth=1 cm"]
+    changes = ["--set", "time.until=implanted", "--set", "time.step=1 ms"]
     cluster.call(os.environ["STYLET"], "run", "scene.yaml", "--output", "whole", *changes, check=True)
     job = cluster.submit("run.sbatch", "scene.yaml", "fine", *changes)
     cluster.wait_for((folder / "fine/history.csv").exists, "the run", sys.exit, PATIENCE)
@@ -198,7 +214,7 @@ def check(cluster):
     cluster.call("scontrol", "requeue", pool)
     cluster.next_turn(pool)
     cluster.finish(pool)
-    assert results(folder / "pool") == plain, cluster.logs()
+    assert alike(results(folder / "pool"), plain), cluster.logs()
 
     array = cluster.submit("campaign_array.sbatch", "campaign.yaml", "array", "--no-picture",
                            options=["--array=1-3"])

@@ -67,6 +67,8 @@ class Simulation {
   /// Needles come by a hand that the scene does not know, or by its recorded procedure.
   [[nodiscard]] bool is_live() const { return live_; }
   [[nodiscard]] const Hand& hand() const { return *hand_; }
+  /// Of the checkpoint that the scene starts from; empty without one.
+  [[nodiscard]] const std::string& start_fingerprint() const { return start_fingerprint_; }
   /// What reading the recorded procedure left out; empty: nothing.
   [[nodiscard]] const std::string& procedure_note() const { return procedure_note_; }
   [[nodiscard]] Rotation rotation() const { return Rotation(scene_.needle_angle); }
@@ -136,6 +138,7 @@ class Simulation {
   void archive(Archive& archive);
 
   std::string procedure_note_;
+  std::string start_fingerprint_;
   Scene scene_;
   bool live_;
   Body body_;

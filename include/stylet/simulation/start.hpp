@@ -14,6 +14,7 @@ namespace stylet {
 struct StartState {
   Archive::Columns state;
   bool other_step = false;  ///< time.step is another one from there on
+  std::string fingerprint;  ///< of the file
 };
 
 /// Collective. The state that `scene`, in the needle's coordinates, starts from. Its time goes on there, and
@@ -22,5 +23,8 @@ struct StartState {
 [[nodiscard]] StartState state_to_start_from(MPI_Comm comm,
                                              Scene scene,
                                              const std::string& mesh_fingerprint);
+
+/// Throws InputError where the file lies in a folder whose results are to be replaced.
+void require_start_kept(const Scene& scene, const std::string& folder);
 
 }  // namespace stylet
