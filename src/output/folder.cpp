@@ -12,7 +12,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <random>
 #include <unistd.h>
 
 namespace stylet {
@@ -252,8 +255,16 @@ void mark_parent(MPI_Comm comm, const std::string& path) {
   on_first(comm, path, [&] {
     create(path);
     require_ours_or_empty(path);
-    Manifest manifest(path);
-    if (!manifest.exists()) manifest.begin(parts, {});
+    if (Manifest(path).exists()) return;
+    // Parts of a campaign begin at the same moment: each writes a draft of its own, all the same text.
+    const std::string draft = draft_of(path + "/" + std::to_string(std::random_device{}()));
+    std::ofstream file(draft, std::ios::binary);
+    file << Manifest::first_line(parts);
+    file.close();
+    const std::string mark = path + "/" + Manifest::file_name;
+    if (!file || std::rename(draft.c_str(), mark.c_str()) != 0) {
+      throw_io_error(mark, "cannot be created");
+    }
   });
 }
 

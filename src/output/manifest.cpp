@@ -118,9 +118,13 @@ std::vector<std::string> Manifest::names() const {
   return names;
 }
 
+std::string Manifest::first_line(const std::string& what) {
+  return std::string("stylet ") + STYLET_VERSION + " " + what + "\n";
+}
+
 void Manifest::begin(const std::string& what, std::span<const std::string> names) {
   entries_.clear();
-  std::string text = std::string("stylet ") + STYLET_VERSION + " " + what + "\n";
+  std::string text = first_line(what);
   for (const auto& name : names) {
     text += "open " + name + "\n";
     entries_[name].clear();

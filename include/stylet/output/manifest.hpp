@@ -37,6 +37,8 @@ class Manifest {
   void seal();
 
   static constexpr const char* file_name = ".stylet";
+  /// Of a manifest; all of it where the folder holds no files of its own.
+  [[nodiscard]] static std::string first_line(const std::string& what);
 
  private:
   void add(const std::string& lines) const;
