@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/geometry/points.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/mesh/sides.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -43,7 +43,7 @@ class Sheet {
   void check() {
     check_doubled_nodes();
     check_angles();
-    find_sides();
+    sides_ = sides_of<2>(mesh_);
     check_boundary();
     check_parts();
   }
@@ -123,47 +123,9 @@ class Sheet {
     }
   }
 
-  // Boundary edges, and the part that each triangle belongs to.
-  void find_sides() {
-    struct Side {
-      Edge key;
-      Edge edge;
-      int cell;
-    };
-    std::vector<Side> sides;
-    sides.reserve(mesh_.cells.size());
-    for (int c = 0; c < mesh_.n_cells(); ++c) {
-      for (int k = 0; k < 3; ++k) {
-        const int a = node(c, k);
-        const int b = node(c, (k + 1) % 3);
-        sides.push_back({{std::min(a, b), std::max(a, b)}, {a, b}, c});
-      }
-    }
-    std::ranges::sort(sides, {}, [](const Side& s) { return std::pair(s.key, s.cell); });
-    part_.resize(static_cast<std::size_t>(mesh_.n_cells()));
-    std::iota(part_.begin(), part_.end(), 0);
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (i + 1 < sides.size() && sides[i].key == sides[i + 1].key) {
-        part_[static_cast<std::size_t>(root(sides[i + 1].cell))] = root(sides[i].cell);
-        ++i;
-      } else {
-        boundary_.push_back(sides[i].edge);
-      }
-    }
-  }
-
-  [[nodiscard]] int root(int c) {
-    auto at = static_cast<std::size_t>(c);
-    while (part_[at] != static_cast<int>(at)) {
-      part_[at] = part_[static_cast<std::size_t>(part_[at])];
-      at = static_cast<std::size_t>(part_[at]);
-    }
-    return static_cast<int>(at);
-  }
-
   // Pairs of boundary edges that come close, by a grid of about as many squares as there are edges.
   void check_boundary() const {
-    const auto n = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(boundary_.size()))));
+    const auto n = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sides_.outer.size()))));
     const double width = std::max((high_.x - low_.x) / n, touch_);
     const double height = std::max((high_.y - low_.y) / n, touch_);
     const auto column = [&](double x) {
@@ -174,9 +136,9 @@ class Sheet {
     };
     std::vector<std::vector<int>> squares(static_cast<std::size_t>(n) *
                                           static_cast<std::size_t>(n));
-    for (std::size_t e = 0; e < boundary_.size(); ++e) {
-      ReferencePoint a = point(boundary_[e][0]);
-      ReferencePoint b = point(boundary_[e][1]);
+    for (std::size_t e = 0; e < sides_.outer.size(); ++e) {
+      ReferencePoint a = point(sides_.outer[e][0]);
+      ReferencePoint b = point(sides_.outer[e][1]);
       if (a.x > b.x) std::swap(a, b);
       for (int i = column(a.x - touch_); i <= column(b.x + touch_); ++i) {
         // What of the edge lies in this column.
@@ -191,7 +153,7 @@ class Sheet {
           auto& square = squares[static_cast<std::size_t>(i) * static_cast<std::size_t>(n) +
                                  static_cast<std::size_t>(j)];
           for (const int other : square)
-            check_pair(boundary_[static_cast<std::size_t>(other)], boundary_[e]);
+            check_pair(sides_.outer[static_cast<std::size_t>(other)], sides_.outer[e]);
           square.push_back(static_cast<int>(e));
         }
       }
@@ -222,20 +184,22 @@ class Sheet {
          ": triangles on the two sides are not joined there; allowed: edges that share both nodes");
   }
 
-  void check_parts() {
-    const int first = root(0);
+  [[nodiscard]] int part(int c) const { return sides_.part[static_cast<std::size_t>(c)]; }
+
+  void check_parts() const {
+    const int first = part(0);
     int other = -1;
     for (int c = 0; c < mesh_.n_cells() && other < 0; ++c) {
-      if (root(c) != first) other = c;
+      if (part(c) != first) other = c;
     }
     if (other < 0) return;
     std::vector<char> of_first(static_cast<std::size_t>(mesh_.n_nodes()), 0);
     for (int c = 0; c < mesh_.n_cells(); ++c) {
-      if (root(c) != first) continue;
+      if (part(c) != first) continue;
       for (int k = 0; k < 3; ++k) of_first[static_cast<std::size_t>(node(c, k))] = 1;
     }
     for (int c = 0; c < mesh_.n_cells(); ++c) {
-      if (root(c) == first) continue;
+      if (part(c) == first) continue;
       for (int k = 0; k < 3; ++k) {
         if (of_first[static_cast<std::size_t>(node(c, k))] == 0) continue;
         fail("parts of the mesh hang together at a single node only, " + node_number(node(c, k)) +
@@ -251,8 +215,7 @@ class Sheet {
   ReferencePoint low_;
   ReferencePoint high_;
   double touch_ = 0;  ///< closer than this is on each other (m)
-  std::vector<Edge> boundary_;
-  std::vector<int> part_;
+  Sides<2> sides_;
 };
 
 }  // namespace

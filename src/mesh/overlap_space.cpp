@@ -2,13 +2,13 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/geometry/tetrahedron.hpp"
 #include "stylet/mesh/overlap.hpp"
+#include "stylet/mesh/sides.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -18,8 +18,6 @@ namespace {
 
 using Triangle = std::array<int, 3>;
 using Place = ReferencePlace;
-
-constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};  // outward
 
 double coordinate(const Place& p, int k) {
   return k == 0 ? p.x : k == 1 ? p.y : p.z;
@@ -48,7 +46,7 @@ class Solid {
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     check_doubled(nodes.begin(), nodes.end(), 0);
     check_angles();
-    find_boundary();
+    sides_ = sides_of<3>(mesh_);
     check_parts();
     check_boundary();
   }
@@ -112,7 +110,7 @@ class Solid {
       for (int k = 0; k < 4; ++k) {
         const int n = node(c, k);
         const auto to = [&](int i) {
-          const Vector3 v = place(node(c, faces[k][i])) - place(n);
+          const Vector3 v = place(node(c, corners_of_sides<3>[k][i])) - place(n);
           return (1 / norm(v)) * v;
         };
         const Vector3 a = to(0), b = to(1), d = to(2);
@@ -128,48 +126,12 @@ class Solid {
     }
   }
 
-  // Outer triangles, and the part that each tetrahedron belongs to.
-  void find_boundary() {
-    struct Side {
-      Triangle key;
-      Triangle nodes;
-      int cell;
-    };
-    std::vector<Side> sides;
-    sides.reserve(mesh_.cells.size());
-    for (int c = 0; c < mesh_.n_cells(); ++c) {
-      for (const auto& face : faces) {
-        const Triangle t{node(c, face[0]), node(c, face[1]), node(c, face[2])};
-        sides.push_back({t, t, c});
-        std::ranges::sort(sides.back().key);
-      }
-    }
-    std::ranges::sort(sides, {}, [](const Side& s) { return std::pair(s.key, s.cell); });
-    part_.resize(static_cast<std::size_t>(mesh_.n_cells()));
-    std::iota(part_.begin(), part_.end(), 0);
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (i + 1 < sides.size() && sides[i].key == sides[i + 1].key) {
-        part_[static_cast<std::size_t>(root(sides[i + 1].cell))] = root(sides[i].cell);
-        ++i;
-      } else {
-        boundary_.push_back(sides[i].nodes);
-      }
-    }
-  }
+  [[nodiscard]] int part(int c) const { return sides_.part[static_cast<std::size_t>(c)]; }
 
-  [[nodiscard]] int root(int c) {
-    auto at = static_cast<std::size_t>(c);
-    while (part_[at] != static_cast<int>(at)) {
-      part_[at] = part_[static_cast<std::size_t>(part_[at])];
-      at = static_cast<std::size_t>(part_[at]);
-    }
-    return static_cast<int>(at);
-  }
-
-  void check_parts() {
-    const int first = root(0);
+  void check_parts() const {
+    const int first = part(0);
     for (int c = 1; c < mesh_.n_cells(); ++c) {
-      if (root(c) == first) continue;
+      if (part(c) == first) continue;
       fail("the mesh is in parts that share no face: one has tetrahedron " + cell_name(0) + " at " +
            at(node(0, 0)) + ", another tetrahedron " + cell_name(c) + " at " + at(node(c, 0)) +
            "; allowed: one part, joined along faces");
@@ -178,7 +140,7 @@ class Solid {
 
   // Pairs of outer triangles that come close, by a grid of boxes about as large as they are.
   void check_boundary() const {
-    const double n_across = std::sqrt(static_cast<double>(boundary_.size()) / 6);
+    const double n_across = std::sqrt(static_cast<double>(sides_.outer.size()) / 6);
     const double box = std::max({high_.x - low_.x, high_.y - low_.y, high_.z - low_.z}) /
                        std::max(1.0, std::floor(n_across));
     struct InBox {
@@ -186,11 +148,11 @@ class Solid {
       int triangle;
     };
     std::vector<InBox> entries;
-    for (std::size_t t = 0; t < boundary_.size(); ++t) {
+    for (std::size_t t = 0; t < sides_.outer.size(); ++t) {
       std::array<int, 3> from{};
       std::array<int, 3> to{};
       for (int k = 0; k < 3; ++k) {
-        const auto x = [&](std::size_t i) { return coordinate(place(boundary_[t][i]), k); };
+        const auto x = [&](std::size_t i) { return coordinate(place(sides_.outer[t][i]), k); };
         const double low = std::min({x(0), x(1), x(2)}) - touch_ - coordinate(low_, k);
         const double high = std::max({x(0), x(1), x(2)}) + touch_ - coordinate(low_, k);
         from[static_cast<std::size_t>(k)] = static_cast<int>(std::floor(low / box));
@@ -210,8 +172,8 @@ class Solid {
       while (last != entries.end() && last->box == first->box) ++last;
       for (auto a = first; a != last; ++a) {
         for (auto b = std::next(a); b != last; ++b) {
-          check_pair(boundary_[static_cast<std::size_t>(a->triangle)],
-                     boundary_[static_cast<std::size_t>(b->triangle)]);
+          check_pair(sides_.outer[static_cast<std::size_t>(a->triangle)],
+                     sides_.outer[static_cast<std::size_t>(b->triangle)]);
         }
       }
       first = last;
@@ -298,8 +260,7 @@ class Solid {
   Place low_;
   Place high_;
   double touch_ = 0;  ///< closer than this is on each other (m)
-  std::vector<Triangle> boundary_;
-  std::vector<int> part_;
+  Sides<3> sides_;
 };
 
 }  // namespace
