@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 namespace stylet {
 
@@ -55,7 +56,13 @@ Scene past_of(Scene scene, std::size_t n_entered, std::size_t n_actions) {
 StartState state_to_start_from(MPI_Comm comm, Scene scene, const std::string& mesh_fingerprint) {
   const std::string path = path_in(scene, scene.start->from);
   std::string fault;
-  auto loaded = load_checkpoint(comm, path, fault);
+  std::optional<LoadedCheckpoint> loaded;
+  try {
+    loaded = load_checkpoint(comm, path, fault);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::bad_input) throw;
+    refuse_key(scene, "start.from", error.what());
+  }
   if (!loaded) refuse_key(scene, "start.from", "is no whole checkpoint: " + fault);
   const Scene before = in_needle_frame(load_scene(path, loaded->about.scene, {}));
   if (scene.procedure || before.procedure) {
@@ -72,7 +79,7 @@ StartState state_to_start_from(MPI_Comm comm, Scene scene, const std::string& me
   std::size_t n_actions = 0;
   if (n_entered > 0) {
     const auto done = stored<std::int64_t>(loaded->state, "hand/motion/at");
-    const bool has_begun = stored<double>(loaded->state, "hand/motion/h") > 0;
+    const bool has_begun = stored<double>(loaded->state, "hand/motion/elapsed") > 0;
     n_actions = std::min(static_cast<std::size_t>(done) + (has_begun ? 1 : 0),
                          before.needles[n_entered - 1].motion.size());
   }

@@ -150,6 +150,11 @@ class Start(FaultTest):
         torn.write_bytes(torn.read_bytes()[:-100])
         refused = self.run_in("two", "--set", f"start.from={start}", code=2)
         self.assert_message(refused, "start.from", "no whole checkpoint")
+        refused = self.run_in("two", "--set", "start.from=nowhere.h5", code=2)
+        self.assert_message(refused, "start.from", "nowhere.h5")
+        before = (self.folder / "one/summary.json").read_bytes()
+        self.assert_message(self.run_in("one", "--force", "--until", "0 s", code=2), "--until")
+        self.assertEqual(before, (self.folder / "one/summary.json").read_bytes())
         self.assert_code(self.stylet("modes", "3", "scene.yaml", "--set", f"start.from={start}"), 2)
 
 
