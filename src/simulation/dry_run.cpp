@@ -2,16 +2,17 @@
 
 #include "stylet/output/manifest.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/accuracy.hpp"
 #include "stylet/simulation/checkpoint.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/overview.hpp"
 #include "stylet/simulation/picture.hpp"
+#include "stylet/simulation/point_text.hpp"
 
 #include <algorithm>
 #include <chrono>
-#include <deque>
 #include <filesystem>
-#include <numeric>
+#include <functional>
 #include <sys/resource.h>
 
 namespace stylet {
@@ -45,19 +46,34 @@ double peak_memory(MPI_Comm comm) {
   return bytes;
 }
 
-/// Of rank 0. What stands in the folder, and what the run would do about it.
-std::string folder_text(const std::string& folder, const RunOptions& options) {
+/// Collective. What stands in the folder, and what the run would do about it. Throws InputError where it would
+/// not go on.
+std::string folder_text(MPI_Comm comm,
+                        const Simulation& simulation,
+                        const Scene& scene,
+                        const RunOptions& options) {
+  const std::string folder = output_folder(scene, options);
   std::error_code none;
   if (!fs::exists(folder, none) || fs::is_empty(folder, none)) return folder + ", which is new";
-  if (options.resume) {
-    auto names = numbered_files(folder + "/" + Checkpoints::folder_name);
-    if (names.empty()) return folder + ", from the beginning: it holds no checkpoint";
-    return folder + ", going on after step " + std::to_string(std::stoll(std::ranges::max(names))) +
-           ", as its newest checkpoint says";
+  if (!options.resume) {
+    return folder + (options.force ? ", replacing the results in it"
+                                   : ", which is not empty: the run would be refused without "
+                                     "--force or --resume");
   }
-  return folder + (options.force ? ", replacing the results in it"
-                                 : ", which is not empty: the run would be refused without --force "
-                                   "or --resume");
+  auto names = numbered_files(folder + "/" + Checkpoints::folder_name);
+  std::ranges::sort(names, std::greater(), [](const auto& n) { return std::pair(n.size(), n); });
+  for (const auto& name : names) {
+    std::string fault;
+    const std::string path = folder + "/" + Checkpoints::folder_name + name;
+    const auto loaded = load_checkpoint(comm, path, fault);
+    if (!loaded) continue;
+    require_same_physics(
+        loaded->about, path, scene,
+        {resolved_text(scene), simulation.numbered().file_fingerprint, deciding_options()});
+    return folder + ", going on after step " + std::to_string(loaded->about.steps) +
+           ", at t = " + brief(loaded->about.time) + " s; what it takes is of the whole run";
+  }
+  return folder + ", from the beginning: it holds no whole checkpoint";
 }
 
 }  // namespace
@@ -93,7 +109,8 @@ std::string dry_run(MPI_Comm comm, const Scene& scene, const RunOptions& options
   std::string text = scene.file + " would be run on " + std::to_string(size_of(comm)) +
                      (size_of(comm) == 1 ? " rank\n" : " ranks\n") +
                      overview(simulation, size_of(comm), &timing) + "writes      to " +
-                     folder_text(output_folder(scene, options), options) + "\n";
+                     folder_text(comm, simulation, scene, options) + "\n";
+  if (options.until) text += "note: --until ends it sooner than what is told here\n";
   for (const auto& note : notes_of(simulation)) text += "note: " + note + "\n";
   return text;
 }

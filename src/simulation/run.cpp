@@ -224,6 +224,13 @@ RunOutcome completed_before(MPI_Comm comm,
   return outcome;
 }
 
+/// Throws InputError for a part that would end before it begins.
+void require_later(const RunOptions& options, const Simulation& simulation) {
+  if (!options.until || *options.until > simulation.time() || simulation.done()) return;
+  throw InputError("--until " + exact(*options.until) + " s: the run goes on at t = " +
+                   exact(simulation.time()) + " s; allowed: more than that");
+}
+
 /// Collective. Where a run goes on; none where it begins.
 std::optional<LoadedCheckpoint> go_on_from(MPI_Comm comm,
                                            Checkpoints& checkpoints,
@@ -294,6 +301,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
                           : options.resume ? Earlier::keep
                                            : Earlier::refuse;
   if (options.force) require_start_kept(scene, outcome.folder);
+  if (!options.resume) require_later(options, simulation);
   OutputFolder folder(comm, outcome.folder, contents_of(scene), earlier, OnSignal::tell);
   if (options.resume) {
     Json before = completed_in(comm, outcome.folder);
@@ -322,10 +330,7 @@ RunOutcome run(MPI_Comm comm, const Scene& scene, const RunOptions& options) {
       walls = std::move(loaded->about.wall_times);
     }
   }
-  if (options.until && *options.until <= simulation.time() && !simulation.done()) {
-    throw InputError("--until " + exact(*options.until) + " s: the run goes on at t = " +
-                     exact(simulation.time()) + " s; allowed: more than that");
-  }
+  if (options.resume) require_later(options, simulation);
   try {
     folder.go_on(summary_now("running"));
     write_text_atomically(comm, outcome.folder + "/scene.yaml", resolved);

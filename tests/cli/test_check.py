@@ -4,7 +4,7 @@ import json
 import re
 import unittest
 
-from stylet_cli import DONE, NEEDLE_SCENE, NUMERICAL, CliTest
+from stylet_cli import BAD_INPUT, DONE, NEEDLE_SCENE, NUMERICAL, CliTest
 
 
 def holed_mesh(n=12, size=0.06, hole=(5, 7)):
@@ -142,7 +142,12 @@ class DryRun(CliTest):
         before = sorted(p.stat().st_mtime_ns for p in (self.folder / "out").rglob("*"))
         self.assertIn("would be refused", self.tell("--output", "out"))
         self.assertIn("replacing", self.tell("--output", "out", "--force"))
-        self.assertIn("going on after step 20,", self.tell("--output", "out", "--resume"))
+        self.assertIn("going on after step 20, at t = 0.4 s",
+                      self.tell("--output", "out", "--resume"))
+        refused = self.stylet("run", "scene.yaml", "--dry-run", "--resume", "--output", "out",
+                              "--set", "time.step=10 ms")
+        self.assert_code(refused, BAD_INPUT)
+        self.assert_message(refused, "time.step", "0.02 s")
         self.assertEqual(before, sorted(p.stat().st_mtime_ns for p in (self.folder / "out").rglob("*")))
 
     def test_disk_and_memory_are_those_of_the_run(self):
