@@ -43,8 +43,9 @@ void note_turned_over(const Simulation& simulation, std::vector<std::string>& no
     doubtful += (doubtful.empty() ? "" : ", ") + ("needle '" + seed.needle + "'") +
                 (seed.target.empty() ? "" : " for '" + seed.target + "'");
   }
+  const std::string cells = simulation.scene().cells();
   notes.push_back("beyond small strain: " + std::to_string(most.triangles) +
-                  (most.triangles == 1 ? " triangle was" : " triangles were") +
+                  (most.triangles == 1 ? " of the " + cells + " was" : " " + cells + " were") +
                   " turned over by the deformation at t = " + brief(most.time) + " s, " +
                   rough(100 * most.area / area) + " % of the tissue, such as at " +
                   point_text(simulation.scene(), most.place) +
