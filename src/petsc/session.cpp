@@ -39,6 +39,11 @@ void forget_environment() {
   }
 }
 
+/// Open MPI starts a daemon beside a process that no mpirun started, for spawning others; we spawn none.
+void start_no_daemon() {
+  ::setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+}
+
 /// A file must not be opened as standard output, whose text would land in it. Writing to what is
 /// opened here fails, as it does to what is closed.
 void fill_closed_streams() {
@@ -92,6 +97,7 @@ Session::Session(int argc, char** argv) : exceptions_at_start_(std::uncaught_exc
   const auto ignored = ignored_signals();
   fill_closed_streams();
   forget_environment();
+  start_no_daemon();
   // -skip_petscrc has to stand among the options: ~/.petscrc, .petscrc and petscrc are not read.
   std::string name = "stylet";
   std::string skip = "-skip_petscrc";
