@@ -47,10 +47,11 @@ class Machine(FaultTest):
             for sent in (signal.SIGTERM, signal.SIGUSR1):
                 with self.subTest(ranks=n, signal=sent.name):
                     name = f"{n}{sent.name}"
-                    many = ["--set", "time.step=0.5 ms"]  # mpirun takes its time
+                    many = ["--set", "time.step=0.1 ms",  # mpirun takes its time
+                            "--set", "output.checkpoint.steps=500"]
                     program = self.start(n, "run", "scene.yaml", "--quiet", "--output", name, *SHORT,
                                          *many)
-                    self.wait_for(program, (self.folder / name / "checkpoints/00000007.h5").exists)
+                    self.wait_for(program, (self.folder / name / "checkpoints/00000500.h5").exists)
                     program.send_signal(sent)
                     code, err = self.ended(program)
                     # mpirun hands TERM on, kills what is there a second later, and ends with its own code.

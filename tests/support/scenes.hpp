@@ -23,6 +23,25 @@ inline Scene reference_scene(const std::vector<std::string>& overrides = {}) {
   return load_scene(file, text.str(), all);
 }
 
+/// A gland with a membrane in other tissue, without damping, needles and time.
+inline const std::string two_regions = R"(
+mesh:
+  rectangle:
+    size: [8 cm, 6 cm]
+    columns: 16
+    rows: 12
+    region: surrounding
+    inner_regions:
+      - {name: gland, polygon: [[2 cm, 2 cm], [5 cm, 2 cm], [5 cm, 4 cm], [2 cm, 4 cm]]}
+tissue:
+  plane: stress
+  regions:
+    gland: {youngs_modulus: 60 kPa, poisson_ratio: 0.4, density: 1000 kg/m^3}
+    surrounding: {youngs_modulus: 50 kPa, poisson_ratio: 0.45, density: 1000 kg/m^3}
+supports: {left: fixed, top: fixed, bottom: fixed}
+membrane: {region: gland, puncture_force: 2 N}
+)";
+
 inline Scene scene_of(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
   return load_scene("test.yaml", yaml, overrides);
 }
