@@ -8,7 +8,7 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build pkg-config
   petsc-dev slepc-dev libopenmpi-dev openmpi-bin libopenblas0-serial libsuitesparse-dev
-  libmetis-dev libhdf5-openmpi-dev libyaml-cpp-dev libcli11-dev libudunits2-dev nlohmann-json3-dev
+  libmetis-dev libhdf5-openmpi-dev libyaml-cpp-dev libcli11-dev libudunits2-dev libssl-dev nlohmann-json3-dev
   libpng-dev libturbojpeg0-dev
   python3-numpy python3-h5py python3-matplotlib python3-pil   # pictures of a run
 )

@@ -11,6 +11,7 @@ pkg_check_modules(STYLET_HDF5 ${stylet_need} IMPORTED_TARGET hdf5-openmpi)
 pkg_check_modules(STYLET_PNG ${stylet_need} IMPORTED_TARGET libpng)
 pkg_check_modules(STYLET_JPEG ${stylet_need} IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(STYLET_UDUNITS ${stylet_need} IMPORTED_TARGET udunits)
+pkg_check_modules(STYLET_CRYPTO ${stylet_need} IMPORTED_TARGET libcrypto)
 # These two have no pkg-config file in Debian 12.
 foreach(library metis cholmod)
   find_library(STYLET_${library} ${library} ${stylet_need})

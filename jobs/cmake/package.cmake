@@ -41,7 +41,7 @@ ranks.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libstylet-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-    "petsc-dev, slepc-dev, libopenmpi-dev, libsuitesparse-dev, libmetis-dev, libhdf5-openmpi-dev, libyaml-cpp-dev, libudunits2-dev, libpng-dev, libturbojpeg0-dev, nlohmann-json3-dev, pkg-config")
+    "petsc-dev, slepc-dev, libopenmpi-dev, libsuitesparse-dev, libmetis-dev, libhdf5-openmpi-dev, libyaml-cpp-dev, libudunits2-dev, libssl-dev, libpng-dev, libturbojpeg0-dev, nlohmann-json3-dev, pkg-config")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "needle insertion into soft tissue, library
 Headers, libraries and CMake files of Stylet, for programs that build a scene,
 step it and read its fields: find_package(stylet).")

@@ -3,7 +3,7 @@ set(stylet_need QUIET)
 include(${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake)
 set(stylet_missing "")
 foreach(found MPI_CXX_FOUND LAPACK_FOUND OpenMP_CXX_FOUND nlohmann_json_FOUND STYLET_PETSC_FOUND
-        STYLET_YAML_FOUND STYLET_HDF5_FOUND STYLET_UDUNITS_FOUND STYLET_metis STYLET_cholmod)
+        STYLET_YAML_FOUND STYLET_HDF5_FOUND STYLET_UDUNITS_FOUND STYLET_CRYPTO_FOUND STYLET_metis STYLET_cholmod)
   if(NOT ${found})
     list(APPEND stylet_missing ${found})
   endif()

@@ -1,81 +1,54 @@
 #include "stylet/base/fingerprint.hpp"
 
-#include <bit>
+#include "stylet/base/errors.hpp"
+
+#include <array>
+#include <new>
+#include <openssl/evp.h>
 
 namespace stylet {
 
 namespace {
 
-// Fractional parts of the cube roots of the first 64 primes (FIPS 180-4, 4.2.2).
-constexpr std::array<std::uint32_t, 64> round_constants{
-    0x428a2f98, 0x71374491, 0xb5c0fbcf, 0xe9b5dba5, 0x3956c25b, 0x59f111f1, 0x923f82a4, 0xab1c5ed5,
-    0xd807aa98, 0x12835b01, 0x243185be, 0x550c7dc3, 0x72be5d74, 0x80deb1fe, 0x9bdc06a7, 0xc19bf174,
-    0xe49b69c1, 0xefbe4786, 0x0fc19dc6, 0x240ca1cc, 0x2de92c6f, 0x4a7484aa, 0x5cb0a9dc, 0x76f988da,
-    0x983e5152, 0xa831c66d, 0xb00327c8, 0xbf597fc7, 0xc6e00bf3, 0xd5a79147, 0x06ca6351, 0x14292967,
-    0x27b70a85, 0x2e1b2138, 0x4d2c6dfc, 0x53380d13, 0x650a7354, 0x766a0abb, 0x81c2c92e, 0x92722c85,
-    0xa2bfe8a1, 0xa81a664b, 0xc24b8b70, 0xc76c51a3, 0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070,
-    0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
-    0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
+void check_digest(int done) {
+  if (done != 1) throw Error(ExitCode::other, "OpenSSL has no SHA-256");
+}
+
+evp_md_ctx_st* new_context() {
+  auto* context = ::EVP_MD_CTX_new();
+  if (context == nullptr) throw std::bad_alloc();
+  return context;
+}
 
 }  // namespace
 
-void Fingerprint::take(const char* block) {
-  std::array<std::uint32_t, 64> w{};
-  for (std::size_t i = 0; i < 16; ++i) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      w[i] = w[i] << 8 | static_cast<unsigned char>(block[4 * i + k]);
-    }
-  }
-  for (std::size_t i = 16; i < w.size(); ++i) {
-    const auto s0 = std::rotr(w[i - 15], 7) ^ std::rotr(w[i - 15], 18) ^ (w[i - 15] >> 3);
-    const auto s1 = std::rotr(w[i - 2], 17) ^ std::rotr(w[i - 2], 19) ^ (w[i - 2] >> 10);
-    w[i] = w[i - 16] + s0 + w[i - 7] + s1;
-  }
-  auto [a, b, c, d, e, f, g, h] = state_;
-  for (std::size_t i = 0; i < w.size(); ++i) {
-    const auto s1 = std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25);
-    const auto t1 = h + s1 + ((e & f) ^ (~e & g)) + round_constants[i] + w[i];
-    const auto s0 = std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22);
-    const auto t2 = s0 + ((a & b) ^ (a & c) ^ (b & c));
-    h = g;
-    g = f;
-    f = e;
-    e = d + t1;
-    d = c;
-    c = b;
-    b = a;
-    a = t1 + t2;
-  }
-  const std::array sums{a, b, c, d, e, f, g, h};
-  for (std::size_t i = 0; i < state_.size(); ++i) state_[i] += sums[i];
+void Fingerprint::Free::operator()(evp_md_ctx_st* context) const noexcept {
+  ::EVP_MD_CTX_free(context);
 }
 
+Fingerprint::Fingerprint() : context_(new_context()) {
+  check_digest(::EVP_DigestInit_ex(context_.get(), ::EVP_sha256(), nullptr));
+}
+
+Fingerprint::Fingerprint(Fingerprint&&) noexcept = default;
+Fingerprint& Fingerprint::operator=(Fingerprint&&) noexcept = default;
+Fingerprint::~Fingerprint() = default;
+
 Fingerprint& Fingerprint::add(std::string_view bytes) {
-  n_bytes_ += bytes.size();
-  if (!rest_.empty()) {
-    const auto missing = bytes.substr(0, block_size - rest_.size());
-    rest_ += missing;
-    bytes.remove_prefix(missing.size());
-    if (rest_.size() < block_size) return *this;
-    take(rest_.data());
-  }
-  for (; bytes.size() >= block_size; bytes.remove_prefix(block_size)) take(bytes.data());
-  rest_ = bytes;
+  check_digest(::EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()));
   return *this;
 }
 
 std::string Fingerprint::text() const {
-  Fingerprint end = *this;
-  constexpr std::size_t of_length = 8;
-  std::string padding(1, '\x80');
-  while ((n_bytes_ + padding.size() + of_length) % block_size != 0) padding += '\0';
-  for (int shift = 56; shift >= 0; shift -= 8) {
-    padding += static_cast<char>(8 * n_bytes_ >> shift & 0xff);
-  }
-  end.add(padding);
+  const std::unique_ptr<evp_md_ctx_st, Free> end(new_context());  // more may be added to ours
+  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
+  unsigned int n_bytes = 0;
+  check_digest(::EVP_MD_CTX_copy_ex(end.get(), context_.get()));
+  check_digest(::EVP_DigestFinal_ex(end.get(), bytes.data(), &n_bytes));
   std::string digits;
-  for (const auto word : end.state_) {
-    for (int shift = 28; shift >= 0; shift -= 4) digits += "0123456789abcdef"[word >> shift & 0xf];
+  for (unsigned int i = 0; i < n_bytes; ++i) {
+    digits += "0123456789abcdef"[bytes[i] >> 4];
+    digits += "0123456789abcdef"[bytes[i] & 0xf];
   }
   return digits;
 }
