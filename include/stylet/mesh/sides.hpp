@@ -16,10 +16,10 @@ namespace stylet {
 template <std::size_t Dim>
 struct Sides {
   using Side = std::array<int, Dim>;
-  std::vector<Side>
-      outer;  ///< of one cell, as that one has it: seen from outside, counter-clockwise in space
-  std::vector<int>
-      part;  ///< of a cell: a cell of the part that it belongs to, the same for all of that part
+  /// Of one cell, as that one has it: seen from outside, counter-clockwise in space.
+  std::vector<Side> outer;
+  /// Of a cell: a cell of the part that it belongs to, the same for all of that part.
+  std::vector<int> part;
 };
 
 /// Corners of a cell's sides.
