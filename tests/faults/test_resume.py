@@ -62,8 +62,9 @@ class Resume(FaultTest):
     def test_torn_newest_one(self):
         self.run_on(1, "--output", "whole")
         self.kill_in_the_middle(1, "part")
-        files = sorted((self.folder / "part/checkpoints").iterdir())
-        self.assertEqual(len(files), 2)
+        # Three, with a draft beside them, where the kill met the writing of the next one.
+        files = sorted((self.folder / "part/checkpoints").glob("[0-9]*.h5"))
+        self.assertGreaterEqual(len(files), 2)
         files[-1].write_bytes(files[-1].read_bytes()[:-1000])
         outcome = on_ranks(1, self.folder, "run", "scene.yaml", *EVERY[1:], "--output", "part",
                            "--resume")
