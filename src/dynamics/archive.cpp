@@ -25,6 +25,7 @@ void ImplicitNewmark::archive(Archive& archive) {
   archive("damped_steps", damped_steps_);
   archive("half", half_);
   archive("fastest", fastest_);
+  archive_rows(archive);
   archive("had_mean", had_mean_);
   if (archive.loads()) has_mean_ = had_mean_;
   archive("released", released_);
@@ -35,7 +36,14 @@ void QuasiStatic::archive(Archive& archive) {
   std::size_t size = forced_.size();
   archive("forced/size", size);
   forced_.resize(size);
-  for (int& dof : forced_) archive.dof("forced/dof", dof);
+  const int n_dofs = tissue_.n_dofs();
+  for (int& dof : forced_) {
+    int row = dof - n_dofs;
+    archive("forced/row", row);  // negative: of the mesh
+    if (row < 0) archive.dof("forced/dof", dof);
+    if (row >= 0) dof = n_dofs + row;
+  }
+  archive_rows(archive);
   archive("forces", kept);
   archive("renewed", renewed_);
   if (archive.loads()) loaded_forces_ = std::move(kept);

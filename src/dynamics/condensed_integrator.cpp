@@ -36,7 +36,7 @@ StoredEnergy CondensedIntegrator::energy(const State& state) {
   cells_.stiffness_and_mass(state.u.get(), state.v.get(), work_.get(), rhs_.get());
   check(VecDot(state.u.get(), work_.get(), &twice[0]));
   check(VecDot(state.v.get(), rhs_.get(), &twice[1]));
-  return {0.5 * twice[1], 0.5 * twice[0]};
+  return {0.5 * twice[1], 0.5 * twice[0] + energy_of_rest()};
 }
 
 std::vector<int> CondensedIntegrator::dofs_of(const ConstraintSet& constraints) {
@@ -64,8 +64,65 @@ void CondensedIntegrator::damp(const ConstraintSet& constraints,
   demand_.springs.clear();
   for (const auto& [dof, coefficient, speed] : constraints.dashpots) {
     const std::size_t at = near_.at(dof);
-    demand_.springs.push_back({at, coefficient * (speed - start[at]), coefficient * rate});
+    const double of_it = near_.is_row(at) ? 1 / h_ : rate;
+    demand_.springs.push_back({at, coefficient * (speed - start[at]), coefficient * of_it});
   }
+}
+
+void CondensedIntegrator::follow(const TrackOperator& track) {
+  track_ = &track;
+  near_.follow(&track);
+}
+
+void CondensedIntegrator::leave_track() {
+  track_ = nullptr;
+  near_.follow(nullptr);
+  row_forces_.clear();
+  mean_rest_energy_ = 0;
+  stored_of_ = {};
+}
+
+double CondensedIntegrator::rest_of(int coordinate) const {
+  double sum = 0;
+  const TrackPlace place = place_of(tissue_.n_dofs(), coordinate);
+  for (const auto& [other, force] : row_forces_) {
+    sum += force * track_->rest(place, place_of(tissue_.n_dofs(), other));
+  }
+  return sum;
+}
+
+double CondensedIntegrator::energy_of_rest() const {
+  double twice = 0;
+  for (const auto& [coordinate, force] : row_forces_) twice += force * rest_of(coordinate);
+  return 0.5 * twice + mean_rest_energy_;
+}
+
+void CondensedIntegrator::keep_row_forces() {
+  row_forces_.clear();
+  mean_rest_energy_ = 0;
+  if (track_ == nullptr) return;
+  std::vector<double> forces(extra_.begin(), extra_.end());
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += solution_.reaction[i];
+  for (const auto& [at, weight] : demand_.weights) forces[at] += solution_.lambda * weight;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    if (near_.is_row(i) && forces[i] != 0) {
+      row_forces_.push_back({near_.coordinates()[i], forces[i]});
+    }
+  }
+  mean_rest_energy_ = 0.5 * demand_.rest * solution_.lambda * solution_.lambda;
+}
+
+void CondensedIntegrator::archive_rows(Archive& archive) {
+  std::size_t size = row_forces_.size();
+  archive("rows/size", size);
+  row_forces_.resize(size);
+  for (auto& [coordinate, force] : row_forces_) {
+    int row = coordinate - tissue_.n_dofs();
+    archive("rows/row", row);
+    coordinate = row + tissue_.n_dofs();
+    archive("rows/force", force);
+  }
+  archive("rows/mean_rest_energy", mean_rest_energy_);
 }
 
 void CondensedIntegrator::take_extra(Vec residual, std::span<const double> extra) const {

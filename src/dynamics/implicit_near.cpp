@@ -17,6 +17,19 @@ void ImplicitNewmark::refresh_near() {
   u_near_.insert(u_near_.end(), values[0].begin(), values[0].end());
   v_near_.insert(v_near_.end(), values[1].begin(), values[1].end());
   change_.resize(near_.coordinates().size(), 0.0);
+  if (track_ == nullptr) return;
+  const Vec starts[1] = {state_->u.get()};
+  const auto start = near_.values(starts, start_.size())[0];
+  for (const double tissue : start) {
+    const std::size_t at = start_.size();
+    start_.push_back(near_.is_row(at) ? tissue + rest_of(near_.coordinates()[at]) : 0);
+  }
+}
+
+RowTrial ImplicitNewmark::row(int coordinate) const {
+  const std::size_t at = near_.at(coordinate);
+  const double u = u_near_[at] + solution_.x[at];
+  return {start_[at], u, (u - start_[at]) / h_, solution_.reaction[at]};
 }
 
 void ImplicitNewmark::watch(std::span<const int> coordinates) {
@@ -109,11 +122,18 @@ Trial ImplicitNewmark::attempt_near(const ConstraintSet& constraints) {
   demand_.given.clear();
   for (const auto& c : constraints.dofs) {
     const std::size_t at = near_.at(c.dof);
-    demand_.given.push_back({at, increment_of(c, u_near_[at], v_near_[at])});
+    const bool by_step = near_.is_row(at) && c.velocity;
+    demand_.given.push_back({at, by_step ? start_[at] + h_ * c.value - u_near_[at]
+                                         : increment_of(c, u_near_[at], v_near_[at])});
   }
-  damp(constraints, speed(), v_near_);
+  std::vector<double> speeds = v_near_;
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    if (near_.is_row(i)) speeds[i] = (u_near_[i] - start_[i]) / h_;
+  }
+  damp(constraints, speed(), speeds);
   demand_.weights.clear();
   demand_.value = 0;
+  demand_.rest = constraints.mean ? constraints.mean->rest : 0;
   if (constraints.mean) {
     double u = 0;
     double moved = 0;  // by held dofs

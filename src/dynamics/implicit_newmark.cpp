@@ -56,6 +56,11 @@ void ImplicitNewmark::renewed(const Mesh& mesh) {
   shift_v_ = shift_a_ = 0;  // of no step
 }
 
+void ImplicitNewmark::leave_track() {
+  CondensedIntegrator::leave_track();
+  watched_.clear();
+}
+
 // Comes before an edit: what is edited then are the products of this state.
 void ImplicitNewmark::complete_at(std::span<const int>) {
   if (state_ != nullptr) products_.compare(*state_);
@@ -110,6 +115,7 @@ void ImplicitNewmark::prepare() {
   u_near_.clear();
   v_near_.clear();
   change_.clear();
+  start_.clear();
   near_.include(watched_);
   refresh_near();
 }
@@ -209,7 +215,7 @@ Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   } else if (!edited_.empty()) {
     predict_edited();
   }
-  const bool begins = held_begin_ || needle_begins(constraints);
+  const bool begins = held_begin_ || (track_ == nullptr && needle_begins(constraints));
   if (scheme_.c0 != 0 && (begins || constraints.load_jumps)) {
     const bool is_damped = damps_at_once();
     if (!is_damped) half_ = 0.5 * h_;
@@ -219,7 +225,7 @@ Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   if (fresh_) prepare();
   trial_ = attempt_near(constraints);
   has_blow_ = begins;
-  if (has_blow_) take_off_blow(constraints);
+  if (has_blow_) take_off_blow(track_ == nullptr ? constraints : ConstraintSet{});
   trial_.end_weight = end_weight();
   trial_.iterations = near_.take_iterations();
   fresh_ = false;
@@ -235,7 +241,8 @@ EnergyRules ImplicitNewmark::energy_rules() const {
 }
 
 void ImplicitNewmark::accept() {
-  if (!damps_at_once()) fit_given();
+  if (!damps_at_once() && track_ == nullptr) fit_given();
+  keep_row_forces();
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
   {
@@ -247,6 +254,7 @@ void ImplicitNewmark::accept() {
   if (keeps_products()) {
     products_.swap();
     products_.brought_to(*state_);
+    stored_.strain += energy_of_rest();
     stored_of_ = StateVersion(*state_);
   }
   state_->t += h_;

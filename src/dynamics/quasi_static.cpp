@@ -116,7 +116,11 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
   complete_displacement();
   near_.include(dofs);
   const Vec vectors[1] = {state_->u.get()};
-  const auto values = near_.values(vectors, start_.size())[0];
+  auto values = near_.values(vectors, start_.size())[0];
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t at = start_.size() + i;
+    if (near_.is_row(at)) values[i] += rest_of(near_.coordinates()[at]);
+  }
   start_.insert(start_.end(), values.begin(), values.end());
   accepted_.insert(accepted_.end(), values.begin(), values.end());
   pushed_.resize(start_.size(), 0.0);
@@ -125,6 +129,24 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
 void QuasiStatic::watch(std::span<const int> coordinates) {
   // Before the first step the state is whole.
   if (state_ != nullptr && !near_.wants_factor()) make_near(coordinates);
+}
+
+void QuasiStatic::leave_track() {
+  complete();
+  CondensedIntegrator::leave_track();
+  start_.clear();
+  accepted_.clear();
+  pushed_.clear();
+  last_pushed_.clear();
+  forced_.clear();
+  loaded_forces_.clear();
+  fresh_ = true;
+}
+
+RowTrial QuasiStatic::row(int coordinate) const {
+  const std::size_t at = near_.at(coordinate);
+  const double u = solution_.x[at];
+  return {start_[at], u, (u - start_[at]) / h_, solution_.reaction[at]};
 }
 
 // What edits moved is near; what their elements touch becomes so.
@@ -158,9 +180,11 @@ Trial QuasiStatic::attempt(const ConstraintSet& constraints, bool) {
   damp(constraints, 1 / h_, start);
   demand_.weights.clear();
   demand_.value = 0;
+  demand_.rest = 0;
   if (constraints.mean) {
     double& value = demand_.value;
     value = constraints.mean->value;
+    demand_.rest = constraints.mean->rest;
     for (const auto& [dof, weight] : constraints.mean->weights) {
       if (!near_.eliminated(dof)) {
         demand_.weights.push_back({near_.at(dof), weight});
@@ -205,7 +229,7 @@ StoredEnergy QuasiStatic::energy(const State& state) {
   cells_.stiffness(state.u.get(), work_.get());
   PetscScalar twice = 0;
   check(VecDot(state.u.get(), work_.get(), &twice));
-  return {0, 0.5 * twice};
+  return {0, 0.5 * twice + energy_of_rest()};
 }
 
 void QuasiStatic::accept() {
@@ -227,11 +251,12 @@ void QuasiStatic::accept() {
   }
   std::swap(last_pushed_, pushed_);
   pushed_ = near_.factored_forces(solution_.x);
+  keep_row_forces();
   if (whole_step_) {
     stored_of_ = {};
   } else {
     const auto& x = solution_.x;
-    stored_ = {0, 0.5 * (dot(x, pushed_) + dot(x, near_.changed_forces(x)))};
+    stored_ = {0, 0.5 * (dot(x, pushed_) + dot(x, near_.changed_forces(x))) + mean_rest_energy_};
     stored_of_ = StateVersion(*state_);
   }
   accepted_ = solution_.x;

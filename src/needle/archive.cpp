@@ -2,6 +2,8 @@
 #include "stylet/geometry/archive.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/needle/cut_path.hpp"
+#include "stylet/needle/embedded_path.hpp"
 #include "stylet/needle/needle.hpp"
 
 namespace stylet {
@@ -37,11 +39,28 @@ static void archive(Archive& archive, Action& action) {
   archive("target", target);
 }
 
+static void archive(Archive& archive, Components& components) {
+  auto& [x, y, z] = components;
+  archive("x", x);
+  archive("y", y);
+  archive("z", z);
+}
+
+static void archive(Archive& archive, SpaceParameters& parameters) {
+  auto& [entry, target, direction, kernel_radius, segment] = parameters;
+  archive("entry", entry);
+  archive("target", target);
+  archive("direction", direction);
+  archive("kernel_radius", kernel_radius);
+  archive("segment", segment);
+}
+
 void archive(Archive& archive, NeedleParameters& parameters) {
-  auto& [name, height, diameter, cutting, friction, motion] = parameters;
+  auto& [name, height, diameter, space, cutting, friction, motion] = parameters;
   archive("name", name);
   archive("height", height);
   archive("diameter", diameter);
+  archive("space", space);
   archive("cutting", cutting);
   archive("friction", friction);
   archive("motion", motion);
@@ -71,7 +90,7 @@ static void archive(Archive& archive, EarlierCuts& cuts) {
 }
 
 static void archive(Archive& archive, NeedleTissue& tissue) {
-  auto& [membrane, puncture_force, region_modulus, earlier] = tissue;
+  auto& [membrane, surface, puncture_force, region_modulus, earlier] = tissue;
   archive("membrane", membrane);
   archive("puncture_force", puncture_force);
   archive("region_modulus", region_modulus);
@@ -88,12 +107,15 @@ static void archive(Archive& archive, ShaftNode& shaft) {
 }
 
 static void archive(Archive& archive, PointForce& force) {
-  auto& [point, along, across, settled_along, settled_across] = force;
+  auto& [point, along, across, settled_along, settled_across, across_too, settled_across_too] =
+      force;
   archive("point", point);
   archive("along", along);
   archive("across", across);
   archive("settled_along", settled_along);
   archive("settled_across", settled_across);
+  archive("across_too", across_too);
+  archive("settled_across_too", settled_across_too);
 }
 
 static void archive(Archive& archive, NeedleStep& step) {
@@ -142,9 +164,27 @@ void CutPath::archive(Archive& archive) {
   if (archive.loads()) new_base();
 }
 
+// The track, and where the membrane crosses it, are the scene's and the mesh's.
+void EmbeddedPath::archive(Archive& archive) {
+  archive("tissue", tissue_);
+  archive("track", track_);
+  archive("free", free_);
+  archive("membrane", membrane_);
+  archive("punctures", punctures_);
+  archive("counts", counts_);
+  archive("exposed", exposed_);
+  archive("advanced", advanced_);
+  double depth = length();
+  archive("depth", depth);
+  if (!archive.loads()) return;
+  new_base();
+  base_ = depth;
+  stand();
+}
+
 // Contacts and the search for the advance begin anew with every step.
 void Needle::archive(Archive& archive) {
-  archive("path", path_);
+  archive("path", *path_);
   archive("work", work_);
   archive("tip_along", tip_along_);
   archive("skin_along", skin_along_);

@@ -27,14 +27,17 @@ ContactWork::Sums ContactWork::book(const NeedleStep& step,
     };
     const double along = mean(last.settled_along, now.along);
     const double across = mean(last.settled_across, now.across);
+    const double across_too = mean(last.settled_across_too, now.across_too);
     // The needle guides a point that joins it on to its axis: work too.
     const TrackVector& u0 = start.at(now.point);
     const TrackVector& u1 = trial.at(now.point).u;
     sums.work += along * hand + across * (u1.across - u0.across);
+    sums.work += across_too * (u1.across_too - u0.across_too);
     sums.dissipated += along * (hand - (u1.along - u0.along));
   }
-  std::erase_if(forces,
-                [](const PointForce& f) { return f.settled_along == 0 && f.settled_across == 0; });
+  std::erase_if(forces, [](const PointForce& f) {
+    return f.settled_along == 0 && f.settled_across == 0 && f.settled_across_too == 0;
+  });
   last_ = std::move(forces);
   return sums;
 }

@@ -1,7 +1,6 @@
 #include "stylet/needle/cut_path.hpp"
 
 #include "stylet/base/sorted.hpp"
-#include "stylet/needle/friction.hpp"
 #include "stylet/needle/membrane.hpp"
 #include "stylet/needle/quality.hpp"
 
@@ -17,8 +16,6 @@ namespace {
 
 // Flips in a step that only make way for the tip.
 constexpr int most_passages = 20;
-// Nearer than this to the end of an earlier cut the tip is there (m).
-constexpr double touching = 1e-9;
 // A poor hand-over waits until the tip has come closer by this share of the distance to the edge ahead.
 constexpr double closer = 0.02;
 // The first cut goes so far to the edge ahead at once.
@@ -32,12 +29,9 @@ CutPath::CutPath(const Mesh& mesh,
                  double radius,
                  bool stops_at_ends,
                  NeedleTissue tissue)
-    : mesh_(mesh),
+    : ReferencePath(tip_length, radius, stops_at_ends, std::move(tissue)),
+      mesh_(mesh),
       axis_(axis),
-      tip_length_(tip_length),
-      radius_(radius),
-      stops_at_ends_(stops_at_ends),
-      tissue_(std::move(tissue)),
       punctures_(tissue_.earlier.punctures) {}
 
 NeedleEdits CutPath::enter(const Entry& entry, const NeedleView& start) {
@@ -47,7 +41,7 @@ NeedleEdits CutPath::enter(const Entry& entry, const NeedleView& start) {
   // The entry node slides by at most the edge to its neighbour.
   const double slide = distance(mesh_.point(entry.node), entry.x);
   skin_ = Skin(mesh_, entry.node, 0.5 * tip_length_ + slide);
-  free_ = tissue_.earlier.free_length(entry.x, Axis::direction(), radius_) > touching;
+  free_ = tissue_.earlier.free_length(entry.x, in_space(Axis::direction()), radius_) > touching;
   NeedleEdits edits;
   if (entry.fraction > 0) edits.moves.push_back({entry.node, entry.x, state});
   return edits;
@@ -60,6 +54,18 @@ EarlierCuts CutPath::leave() const {
   auto& path = cuts.paths.emplace_back();
   for (const auto& shaft : track_.nodes()) path.push_back(mesh_.point(shaft.node));
   return cuts;
+}
+
+std::vector<ReferencePlace> CutPath::line() const {
+  std::vector<ReferencePlace> line;
+  for (const auto& shaft : track_.nodes()) line.push_back(mesh_.point(shaft.node));
+  return line;
+}
+
+void CutPath::guide(int point, std::vector<TrackHold>& held) const {
+  const double from_axis =
+      axis_.across_position - Axis::across(this->point(static_cast<std::size_t>(point)));
+  held.push_back({{point, Component::across}, from_axis});
 }
 
 std::vector<int> CutPath::watched() const {
@@ -88,11 +94,6 @@ std::optional<DofValue> CutPath::dof(TrackPlace place) const {
   const int node = place.point < 0 ? skin_.nodes()[i] : track_.nodes()[i].node;
   if (place.component == Component::along) return DofValue{Axis::along_dof(node), Axis::along_sign};
   return DofValue{Axis::across_dof(node), 1.0};
-}
-
-double CutPath::share_in() const {
-  const double in = length();
-  return in < tip_length_ ? in / tip_length_ : 1;
 }
 
 double CutPath::modulus_ahead() const {
@@ -159,7 +160,7 @@ void CutPath::uncover(double to,
                       const TrackTrial& trial,
                       const std::optional<FrictionParameters>& friction,
                       double speed) {
-  const auto s = distances();
+  const auto s = track_.distances(mesh_);
   const auto world = [&](std::size_t i) {
     return Axis::along(point(i)) + trial.at(static_cast<int>(i)).u.along;
   };
@@ -167,12 +168,7 @@ void CutPath::uncover(double to,
   for (std::size_t i = 0; i < s.size(); ++i) {
     auto& shaft = track_.nodes()[i];
     const bool behind = world(i) <= to;
-    if (behind && !shaft.attached && friction) {
-      const double relative = speed - trial.at(static_cast<int>(i)).v.along;
-      shaft.contact = slides_at_once(*friction, relative) ? Contact::slip : Contact::stick;
-      shaft.slip_sign = relative > 0 ? 1 : -1;
-    }
-    shaft.attached = behind;
+    attach(shaft, behind, trial.at(static_cast<int>(i)), friction, speed);
     if (!behind) continue;
     exposed_ = s[i];
     if (i + 1 == s.size()) continue;
@@ -184,21 +180,8 @@ void CutPath::uncover(double to,
   }
 }
 
-void CutPath::cover() {
-  exposed_ = 0;
-  for (auto& shaft : track_.nodes()) {
-    if (shaft.attached) continue;
-    shaft.attached = true;
-    shaft.contact = Contact::stick;
-  }
-}
-
-bool CutPath::is_released() const {
-  return std::ranges::none_of(track_.nodes(), &ShaftNode::attached);
-}
-
-ReferencePoint CutPath::tip_point() const {
-  const auto s = distances();
+ReferencePlace CutPath::tip_point() const {
+  const auto s = track_.distances(mesh_);
   for (std::size_t i = 0; i + 1 < s.size(); ++i) {
     if (exposed_ > s[i] || exposed_ < s[i + 1] || s[i] == s[i + 1]) continue;
     return point(i) + ((s[i] - exposed_) / (s[i] - s[i + 1])) * (point(i + 1) - point(i));
@@ -207,10 +190,8 @@ ReferencePoint CutPath::tip_point() const {
 }
 
 void CutPath::start_step(double advance) {
-  new_base();
+  ReferencePath::start_step(advance);
   passages_ = 0;
-  advanced_ = 0;
-  remaining_ = advance;
 }
 
 void CutPath::new_base() {
@@ -266,7 +247,7 @@ bool CutPath::find_base(const NeedleView& start) {
   base_ = find_way(mesh_, track_, axis_, start);
   if (!base_) throw Blocked("its tip has reached the boundary of the tissue");
   if (base_->fell_back) ++counts_.fallbacks;
-  base_free_ = tissue_.earlier.free_length(base_->p, base_->r, radius_);
+  base_free_ = tissue_.earlier.free_length(base_->p, in_space(base_->r), radius_);
   const bool was_free = std::exchange(free_, base_free_ > touching);
   return was_free && !free_ && !hand_over_wanted_;
 }

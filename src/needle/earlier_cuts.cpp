@@ -14,35 +14,46 @@ struct Interval {
 
 // Part of the ray within `radius` of the segment from a to b; at an open end also beyond b, by the
 // radius, so that a path that bends leaves no wedge between its segments.
-Interval within(ReferencePoint p,
-                Vector2 r,
-                ReferencePoint a,
-                ReferencePoint b,
+Interval within(ReferencePlace p,
+                Vector3 r,
+                ReferencePlace a,
+                ReferencePlace b,
                 double before,
                 double after,
                 double radius) {
+  constexpr Interval none{0, -1};
   const double length = distance(a, b);
-  const Vector2 along = (1 / length) * (b - a);
+  const Vector3 along = (1 / length) * (b - a);
   Interval part{-radius, 1e300};
-  // from + s slope in [low, high]
-  const auto clip = [&](double from, double slope, double low, double high) {
-    if (slope == 0) {
-      if (from < low || from > high) part.to = part.from;
-      return;
-    }
-    const double s0 = (low - from) / slope;
-    const double s1 = (high - from) / slope;
+  const auto clip = [&](double s0, double s1) {
     part.from = std::max(part.from, std::min(s0, s1));
     part.to = std::min(part.to, std::max(s0, s1));
   };
-  clip(dot(p - a, along), dot(r, along), -before, length + after);
-  clip(cross(along, p - a), cross(along, r), -radius, radius);
+  // Beside the segment.
+  const double from = dot(p - a, along);
+  const double slope = dot(r, along);
+  if (slope != 0) {
+    clip((-before - from) / slope, (length + after - from) / slope);
+  } else if (from < -before || from > length + after) {
+    return none;
+  }
+  // Within the cylinder around it.
+  const Vector3 aside = p - a - from * along;
+  const Vector3 drift = r - slope * along;
+  const double square = dot(drift, drift);
+  const double middle = dot(aside, drift);
+  const double room = radius * radius - dot(aside, aside);
+  const double root = middle * middle + square * room;
+  if (root < 0 || (square == 0 && room < 0)) return none;
+  if (square > 0) {
+    clip((-middle - std::sqrt(root)) / square, (-middle + std::sqrt(root)) / square);
+  }
   return part;
 }
 
 }  // namespace
 
-double EarlierCuts::free_length(ReferencePoint p, Vector2 r, double radius) const {
+double EarlierCuts::free_length(ReferencePlace p, Vector3 r, double radius) const {
   std::vector<Interval> parts;
   for (const auto& path : paths) {
     for (std::size_t i = 0; i + 1 < path.size(); ++i) {
@@ -62,8 +73,8 @@ double EarlierCuts::free_length(ReferencePoint p, Vector2 r, double radius) cons
   return end;
 }
 
-bool is_near(std::span<const ReferencePoint> points, ReferencePoint p, double radius) {
-  return std::ranges::any_of(points, [&](ReferencePoint q) { return distance(p, q) <= radius; });
+bool is_near(std::span<const ReferencePlace> points, ReferencePlace p, double radius) {
+  return std::ranges::any_of(points, [&](ReferencePlace q) { return distance(p, q) <= radius; });
 }
 
 }  // namespace stylet

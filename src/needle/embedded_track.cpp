@@ -127,10 +127,17 @@ EmbeddedTrack::EmbeddedTrack(const Mesh& mesh,
   for (TrackSegment& segment : segments_) {
     const auto middle = grid.find(at((segment.from + segment.to) / 2));
     const int cell = middle ? middle->cell : stretch.cell;
+    cells_.push_back(cell);
     const auto& moduli = regions[static_cast<std::size_t>(mesh.region(cell))];
     segment.shear_modulus = moduli.shear_modulus;
     segment.poisson_ratio = moduli.poisson_ratio;
     shares_.push_back(mean_over(mesh, grid, segment, rings, edge / 2));
+  }
+  for (const TrackSegment& a : segments_) {
+    for (const TrackSegment& b : segments_) {
+      rest_along_.push_back(rest_.along(a, b));
+      rest_across_.push_back(rest_.across(a, b));
+    }
   }
 }
 
@@ -183,8 +190,9 @@ SparseRow EmbeddedTrack::row(TrackPlace place) const {
 
 double EmbeddedTrack::rest(TrackPlace a, TrackPlace b) const {
   if (a.component != b.component) return 0;
-  if (a.component == Component::along) return rest_.along(segment(a.point), segment(b.point));
-  return rest_.across(segment(a.point), segment(b.point));
+  const auto& entries = a.component == Component::along ? rest_along_ : rest_across_;
+  return entries[static_cast<std::size_t>(a.point) * segments_.size() +
+                 static_cast<std::size_t>(b.point)];
 }
 
 std::vector<PointShare> EmbeddedTrack::shares(double from, double to) const {
@@ -205,7 +213,8 @@ double EmbeddedTrack::rest_of_ends(double from, double to) const {
     for (const auto& [j, other_share] : parts) {
       const TrackSegment other = covered_part(segment(j), from, to);
       if (whole && other.length() == segment(j).length()) continue;
-      sum += share * other_share * (rest_.along(part, other) - rest_.along(segment(i), segment(j)));
+      sum += share * other_share *
+             (rest_.along(part, other) - rest({i, Component::along}, {j, Component::along}));
     }
   }
   return sum;

@@ -11,7 +11,7 @@ std::optional<double> first_crossing(std::span<const ReferencePoint> polygon,
                                      ReferencePoint p,
                                      Vector2 r,
                                      double length,
-                                     std::span<const ReferencePoint> punctures,
+                                     std::span<const ReferencePlace> punctures,
                                      double radius) {
   std::optional<double> first;
   for (std::size_t i = 0; i < polygon.size(); ++i) {

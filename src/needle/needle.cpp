@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/sorted.hpp"
 #include "stylet/base/text.hpp"
+#include "stylet/needle/cut_path.hpp"
 #include "stylet/needle/friction.hpp"
 #include "stylet/needle/slack.hpp"
 
@@ -35,25 +36,30 @@ const char* name_of(NeedlePhase phase) {
   return "withdrawn";
 }
 
+Needle::Needle(NeedleParameters parameters,
+               std::unique_ptr<ReferencePath> path,
+               bool velocity_level)
+    : parameters_(std::move(parameters)), velocity_level_(velocity_level), path_(std::move(path)) {}
+
 Needle::Needle(const Mesh& mesh,
                NeedleParameters parameters,
                NeedleTissue tissue,
                bool velocity_level)
-    : parameters_(std::move(parameters)),
-      velocity_level_(velocity_level),
-      path_(mesh,
-            Axis{parameters_.height},
-            parameters_.cutting.tip_length,
-            0.5 * parameters_.diameter,
-            searches(),
-            std::move(tissue)) {}
+    : Needle(parameters,
+             std::make_unique<CutPath>(mesh,
+                                       Axis{parameters.height},
+                                       parameters.cutting.tip_length,
+                                       0.5 * parameters.diameter,
+                                       stylet::searches(parameters.cutting),
+                                       std::move(tissue)),
+             velocity_level) {}
 
 NeedleEdits Needle::enter(const Entry& entry, const NeedleView& start) {
   const NodeState state =
       interpolate(entry.fraction, start.at(entry.node), start.at(entry.neighbour));
   skin_along_ = Axis::along(displaced(entry.x, state.u));
   tip_along_ = skin_along_;
-  return path_.enter(entry, start);
+  return path_->enter(entry, start);
 }
 
 void Needle::change(const CuttingParameters& cutting,
@@ -62,11 +68,11 @@ void Needle::change(const CuttingParameters& cutting,
                     std::vector<double> region_modulus) {
   parameters_.cutting = cutting;
   parameters_.friction = friction;
-  path_.change(puncture_force, std::move(region_modulus));
+  path_->change(puncture_force, std::move(region_modulus));
 }
 
 std::vector<int> Needle::loaded_points() const {
-  std::vector<int> points = path_.loaded_points();
+  std::vector<int> points = path_->loaded_points();
   for (const auto& force : work_.last()) points.push_back(force.point);
   sort_unique(points);
   return points;
@@ -74,7 +80,7 @@ std::vector<int> Needle::loaded_points() const {
 
 double Needle::full_threshold() const {
   const bool scales = parameters_.cutting.stiffness_share > 0;
-  return full_force(parameters_.cutting, scales ? path_.modulus_ahead() : 0);
+  return full_force(parameters_.cutting, scales ? path_->modulus_ahead() : 0);
 }
 
 // Zero where the way is cut already. A tip that is not in with all of its length cuts with that part
@@ -82,16 +88,16 @@ double Needle::full_threshold() const {
 // meshes, at every depth. (A full force on the first bit of path is a point force: the dent that it
 // makes grows with the logarithm of the element size, and the tip jumps when the skin gives way.)
 double Needle::threshold() const {
-  return path_.is_free() ? 0 : path_.share_in() * full_threshold();
+  return path_->is_free() ? 0 : path_->share_in() * full_threshold();
 }
 
 // Tip force beyond which what is ahead gives way (N).
 double Needle::limit() const {
-  return path_.at_membrane() ? path_.puncture_force() : threshold();
+  return path_->at_membrane() ? path_->puncture_force() : threshold();
 }
 
 double Needle::force_to_cut() const {
-  return path_.at_membrane() ? path_.puncture_force() : full_threshold();
+  return path_->at_membrane() ? path_->puncture_force() : full_threshold();
 }
 
 void Needle::start_step(const NeedleStep& step) {
@@ -112,18 +118,18 @@ void Needle::start_step(const NeedleStep& step) {
   double advance = 0;
   // A tip that keeps cutting will advance about as far as last time.
   const bool keeps_cutting = tip_ == TipContact::cut && step.speed() > 0 && searches();
-  if (keeps_cutting && !path_.is_uncut()) advance = path_.advanced();
+  if (keeps_cutting && !path_->is_uncut()) advance = path_->advanced();
   if (tip_ != TipContact::open) {
     if (law == CuttingLaw::lagged) advance = pending_;
     if (law == CuttingLaw::increment && step.speed() > 0 && last_tip_force_ >= limit()) {
-      if (path_.at_membrane()) path_.puncture();
+      if (path_->at_membrane()) path_->puncture();
       advance = parameters_.cutting.increment;
     }
     pending_ = 0;
-    if (path_.at_membrane()) advance = 0;
+    if (path_->at_membrane()) advance = 0;
   }
-  path_.start_step(advance);
-  contacts_.start_step(path_.track());
+  path_->start_step(advance);
+  contacts_.start_step(path_->track());
   forget_search();
 }
 
@@ -138,14 +144,14 @@ void Needle::forget_search() {
 }
 
 NeedleEdits Needle::plan(const NeedleView& start) {
-  contacts_.forget_changes(path_.track());
-  const long long base = path_.base();
+  contacts_.forget_changes(path_->track());
+  const long long base = path_->base();
   try {
-    CutPath::Plan plan = path_.plan(start);
-    if (path_.base() != base) forget_search();
+    ReferencePath::Plan plan = path_->plan(start);
+    if (path_->base() != base) forget_search();
     if (plan.holds) tip_ = TipContact::stick;
     return std::move(plan.edits);
-  } catch (const CutPath::Blocked& blocked) {
+  } catch (const ReferencePath::Blocked& blocked) {
     throw NumericalError("needle '" + parameters_.name + "' cannot advance, " +
                          ten_digits(tip_along_ - skin_along_) +
                          " m behind its entry point: " + blocked.what());
@@ -154,15 +160,14 @@ NeedleEdits Needle::plan(const NeedleView& start) {
 
 TrackConditions Needle::conditions() const {
   TrackConditions set;
-  const auto points = path_.track().nodes();
+  const auto points = path_->track().nodes();
   const auto friction =
-      parameters_.friction ? path_.shaft_lengths() : std::vector<double>(points.size(), 0.0);
+      parameters_.friction ? path_->shaft_lengths() : std::vector<double>(points.size(), 0.0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto& shaft = points[i];
     if (!shaft.attached) continue;
     const int point = static_cast<int>(i);
-    set.held.push_back(
-        {{point, Component::across}, axis().across_position - Axis::across(path_.point(i))});
+    path_->guide(point, set.held);
     if (friction[i] <= 0) continue;
     const TrackPlace along{point, Component::along};
     if (shaft.contact == Contact::stick) {
@@ -176,16 +181,17 @@ TrackConditions Needle::conditions() const {
   }
   if (tip_ == TipContact::open) return set;
   const double f = threshold();
-  TrackMean mean{path_.tip_shares()};
+  TrackMean mean{path_->tip_shares()};
   if (tip_ == TipContact::cut && f > 0) {
     for (const auto& [point, share] : mean.shares) {
       set.forces.push_back({{point, Component::along}, f * share});
     }
   }
   if (tip_ == TipContact::stick) {
-    mean.value = step_.to - Axis::along(path_.tip());
+    mean.value = step_.to - path_->tip_along();
     mean.rate = step_.speed();
     mean.by_rate = holds_by_rate();
+    mean.rest = path_->tip_rest();
     set.mean = mean;
   }
   return set;
@@ -194,10 +200,11 @@ TrackConditions Needle::conditions() const {
 // How far the needle is ahead of the tissue at its tip (m), by positions.
 double Needle::place_gap(const TrackTrial& trial) const {
   double mean_u = 0;
-  for (const auto& [point, share] : path_.tip_shares()) {
+  for (const auto& [point, share] : path_->tip_shares()) {
     mean_u += share * trial.at(point).u.along;
   }
-  return step_.to - Axis::along(path_.tip()) - mean_u;
+  if (tip_ == TipContact::cut) mean_u += path_->tip_rest() * threshold();
+  return step_.to - path_->tip_along() - mean_u;
 }
 
 // The same as the integrator sees it.
@@ -205,7 +212,7 @@ double Needle::gap(const TrackTrial& trial) const {
   const double gap = place_gap(trial);
   if (!velocity_level_) return gap;
   double mean_v = 0;
-  for (const auto& [point, share] : path_.tip_shares()) {
+  for (const auto& [point, share] : path_->tip_shares()) {
     mean_v += share * trial.at(point).v.along;
   }
   const double closing = step_.h * (step_.speed() - mean_v);
@@ -220,7 +227,7 @@ bool Needle::review(const TrackTrial& trial, const Multiplier& lambda) {
 }
 
 bool Needle::review_friction(const TrackTrial& trial) {
-  const auto verdict = contacts_.review(path_.track(), path_.shaft_lengths(), trial,
+  const auto verdict = contacts_.review(path_->track(), path_->shaft_lengths(), trial,
                                         *parameters_.friction, step_.speed());
   if (verdict == ShaftContacts::Verdict::change_gap) forget_search();
   return verdict == ShaftContacts::Verdict::agree;
@@ -236,9 +243,9 @@ bool Needle::review_tip(const TrackTrial& trial, const Multiplier& lambda) {
       if (parameters_.cutting.law == CuttingLaw::increment) return true;
       if (lambda.bearing() <= limit() * (1 + force_slack) + slack()) return true;
       if (holds_beyond_) throw_no_solution();
-      if (path_.at_membrane()) {
-        path_.puncture();
-        path_.new_base();
+      if (path_->at_membrane()) {
+        path_->puncture();
+        path_->new_base();
         forget_search();
       }
       tip_ = TipContact::cut;
@@ -256,28 +263,28 @@ bool Needle::review_tip(const TrackTrial& trial, const Multiplier& lambda) {
   }
   if (gap(trial) <= tolerance()) return true;
   tip_ = TipContact::stick;
-  path_.cover();
+  path_->cover();
   return false;
 }
 
 bool Needle::cut_further(double gap) {
-  if (path_.is_uncut()) {
+  if (path_->jumps_ahead()) {
     // The first cut goes ahead at once.
     if (gap <= tolerance()) {
       tip_ = TipContact::stick;
     } else {
-      path_.begin_cut();
+      path_->begin_cut();
     }
     return false;
   }
-  const auto [verdict, to] = search_.next(path_.b(), gap, path_.end(), tolerance());
+  const auto [verdict, to] = search_.next(path_->b(), gap, path_->end(), tolerance());
   switch (verdict) {
     case AdvanceSearch::Verdict::found:
       return true;
     case AdvanceSearch::Verdict::pass: {
-      const long long base = path_.base();
-      if (path_.pass_end()) tip_ = TipContact::stick;
-      if (path_.base() != base) forget_search();
+      const long long base = path_->base();
+      if (path_->pass_end()) tip_ = TipContact::stick;
+      if (path_->base() != base) forget_search();
       return false;
     }
     case AdvanceSearch::Verdict::stick:
@@ -287,7 +294,7 @@ bool Needle::cut_further(double gap) {
     case AdvanceSearch::Verdict::move:
       break;
   }
-  path_.go_to(to);
+  path_->go_to(to);
   return false;
 }
 
@@ -319,7 +326,7 @@ void Needle::check_tip(const TrackTrial& trial, double lambda) const {
 
 std::vector<PointForce> Needle::tip_forces(const Multiplier& lambda) const {
   std::vector<PointForce> forces;
-  for (const auto& [point, share] : path_.tip_shares()) {
+  for (const auto& [point, share] : path_->tip_shares()) {
     PointForce& force = force_on(forces, point);
     force.along = share * lambda.working;
     force.settled_along = share * lambda.settled;
@@ -343,25 +350,27 @@ NeedleStepReport Needle::commit(const TrackStart& start,
   std::vector<PointForce> forces = tip_forces(lambda);
   report.contact_changes = contacts_.changes();
   if (parameters_.friction) {
-    const auto shaft = contacts_.commit(path_.track(), path_.shaft_lengths(), trial,
+    const auto shaft = contacts_.commit(path_->track(), path_->shaft_lengths(), trial,
                                         *parameters_.friction, step_.speed(), forces);
     report.forces.friction = shaft.force;
     report.n_stick = shaft.n_stick;
     report.n_slip = shaft.n_slip;
   }
-  const auto points = path_.track().nodes();
+  const auto points = path_->track().nodes();
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i].attached) continue;
     const int point = static_cast<int>(i);
     PointForce& force = force_on(forces, point);
     force.across = trial.at(point).working.across;
     force.settled_across = trial.at(point).settled.across;
+    force.across_too = trial.at(point).working.across_too;
+    force.settled_across_too = trial.at(point).settled.across_too;
   }
   const auto sums = work_.book(step_, start, trial, std::move(forces), end_weight);
   report.work = sums.work;
   report.dissipated = sums.dissipated;
   if (tip_ == TipContact::open) {
-    path_.uncover(step_.to, trial, parameters_.friction, step_.speed());
+    path_->uncover(step_.to, trial, parameters_.friction, step_.speed());
     if (released()) phase_ = NeedlePhase::withdrawn;
   }
   tip_along_ = step_.to;
@@ -373,7 +382,7 @@ NeedleStepReport Needle::commit(const TrackStart& start,
 }
 
 TipStand Needle::stand() const {
-  TipStand stand{pending_, last_tip_force_, force_to_cut(), path_.element_size(), at_membrane()};
+  TipStand stand{pending_, last_tip_force_, force_to_cut(), path_->element_size(), at_membrane()};
   if (puncture_at_) {
     stand.since_puncture = (deepest_since_ - *puncture_at_) / (tip_along_ - skin_along_);
   }

@@ -45,8 +45,8 @@ std::uint64_t stored_bytes(const Snapshot& snapshot, bool with_mesh) {
     n_doubles += rows(field.on_cells) * (field.components == 1 ? 1 : 3);
   }
   for (const FlagField& flag : snapshot.flags) n_ints += rows(flag.on_cells);
-  for (const Polyline& line : snapshot.polylines) n_doubles += 2 * line.points.size();
-  for (const PointSet& set : snapshot.point_sets) n_doubles += 2 * set.points.size();
+  for (const Polyline& line : snapshot.polylines) n_doubles += 3 * line.points.size();
+  for (const PointSet& set : snapshot.point_sets) n_doubles += 3 * set.points.size();
   return n_doubles * sizeof(double) + n_ints * sizeof(int);
 }
 

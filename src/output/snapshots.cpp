@@ -92,7 +92,8 @@ class SnapshotWriter::File {
   void store_points(hid_t group,
                     const std::string& group_name,
                     const std::string& name,
-                    const std::vector<std::array<double, 2>>& points,
+                    const std::vector<std::array<double, 3>>& points,
+                    int dim,
                     XdmfGrid::Shape shape);
   [[nodiscard]] StoredArray stored(const std::string& name, int n_rows, int columns, bool integer) {
     return {"/" + step_name_ + "/" + name, n_rows, columns, integer};
@@ -315,14 +316,15 @@ void SnapshotWriter::File::write_shapes(hid_t step, const Snapshot& snapshot) {
   if (!snapshot.polylines.empty()) {
     const Hdf5Id group = create_group(step, "polylines");
     for (const Polyline& line : snapshot.polylines) {
-      store_points(group.get(), "polylines", line.name, line.points,
+      store_points(group.get(), "polylines", line.name, line.points, snapshot.dim,
                    line.closed ? XdmfGrid::Shape::closed_polyline : XdmfGrid::Shape::polyline);
     }
   }
   if (!snapshot.point_sets.empty()) {
     const Hdf5Id group = create_group(step, "point_sets");
     for (const PointSet& set : snapshot.point_sets) {
-      store_points(group.get(), "point_sets", set.name, set.points, XdmfGrid::Shape::points);
+      store_points(group.get(), "point_sets", set.name, set.points, snapshot.dim,
+                   XdmfGrid::Shape::points);
     }
   }
 }
@@ -330,18 +332,20 @@ void SnapshotWriter::File::write_shapes(hid_t step, const Snapshot& snapshot) {
 void SnapshotWriter::File::store_points(hid_t group,
                                         const std::string& group_name,
                                         const std::string& name,
-                                        const std::vector<std::array<double, 2>>& points,
+                                        const std::vector<std::array<double, 3>>& points,
+                                        int dim,
                                         XdmfGrid::Shape shape) {
   if (points.empty()) return;
   std::vector<double> values;
-  for (const auto& point : points) values.insert(values.end(), point.begin(), point.end());
+  for (const auto& point : points) values.insert(values.end(), point.begin(), point.begin() + dim);
   const std::string path = group_name + "/" + name;
-  if (store(points_, path, group, name, "m", 2, std::move(values)) &&
+  if (store(points_, path, group, name, "m", dim, std::move(values)) &&
       shape != XdmfGrid::Shape::points) {
     set_attribute(points_.at(path).array.get(), "closed",
                   shape == XdmfGrid::Shape::closed_polyline ? 1ULL : 0ULL);
   }
-  shapes_.push_back({name, shape, stored(path, static_cast<int>(points.size()), 2, false), {}, {}});
+  shapes_.push_back(
+      {name, shape, stored(path, static_cast<int>(points.size()), dim, false), {}, {}});
 }
 
 void SnapshotWriter::File::tell(const Snapshot& snapshot) {

@@ -105,6 +105,7 @@ class Rules {
     require(method != TimeMethod::explicit_newmark || scene_.tissue.mass == MassKind::lumped,
             "tissue.mass", "lumped, because time.method is explicit");
     if (!scene_.membrane || !scene_.membrane->region.empty()) return;
+    if (!scene_.membrane->surface.empty()) return;
     require_corners(scene_.membrane->polygon, 3, "membrane.polygon");
   }
 

@@ -293,7 +293,6 @@ Codec<ImageParameters> image() {
 
 Codec<Scene> scene() {
   using S = Scene;
-  const auto in_tissue = point<ReferencePoint>("m");
   return block<S>(
       {field("mesh", &S::mesh, mesh(), "Where triangles or tetrahedra come from.").required(),
        field("tissue", &S::tissue, tissue(), "What the tissue is made of.").required(),
@@ -312,7 +311,7 @@ Codec<Scene> scene() {
        field("needles", &S::needles, list(needle_codec()), "One after the other."),
        field("membrane", &S::membrane, membrane_codec(), "A capsule that has to be punctured."),
        field("targets", &S::targets,
-             named("TARGET", &Target::name, wrap(&Target::point, in_tissue)),
+             named("TARGET", &Target::name, wrap(&Target::point, vector("m"))),
              "Where seeds should be."),
        field("probes", &S::probes, named("PROBE", &Probe::name, wrap(&Probe::point, vector("m"))),
              "Points whose displacement is recorded."),

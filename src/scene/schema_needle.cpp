@@ -124,16 +124,45 @@ Codec<Action> action() {
 
 std::vector<Field<NeedleParameters>> held_fields() {
   using N = NeedleParameters;
-  return {field("name", &N::name, text("a name"), "For messages and output.")
-              .otherwise("needle1, needle2, ..."),
-          field("height", &N::height, number("m", anything),
-                "Coordinate of the axis across the needle.")
-              .required(),
-          field("diameter", &N::diameter, number("m", positive),
-                "What lies within half of it of an earlier needle's path is cut already."),
-          field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
-          field("friction", &N::friction, friction(),
-                "Friction along the shaft; without it there is none.")};
+  using S = SpaceParameters;
+  const auto in_space = [](const N& needle) { return needle.space.entry.has_value(); };
+  const auto in_plane = [](const N& needle) { return !needle.space.entry.has_value(); };
+  const auto space = [](const char* name, auto member, auto codec, const char* doc) -> Field<N> {
+    const Field<S> inner = field(name, member, codec, doc);
+    return {inner.key,
+            [read = inner.read](const Node& node, N& needle) { read(node, needle.space); },
+            [write = inner.write](const N& needle) { return write(needle.space); }};
+  };
+  return {
+      field("name", &N::name, text("a name"), "For messages and output.")
+          .otherwise("needle1, needle2, ..."),
+      field("height", &N::height, number("m", anything),
+            "In the plane: coordinate of the axis across the needle.")
+          .written_if(in_plane)
+          .otherwise("required in the plane, not allowed in space"),
+      space("entry", &S::entry, vector("m", Extent::space),
+            "In space: a point of the axis, on the skin or in front of it.")
+          .otherwise("required in space, not allowed in the plane"),
+      space("target", &S::target, vector("m", Extent::space),
+            "In space: a point that the axis leads to; or direction."),
+      space("direction", &S::direction, vector("", Extent::space),
+            "In space: of the insertion, of any length; or target."),
+      field("diameter", &N::diameter, number("m", positive),
+            "Of the shaft. In the plane: what lies within half of it of an earlier needle's path "
+            "is cut already."),
+      space("kernel_radius", &S::kernel_radius, number("m", positive),
+            "In space: of the disc over which the mesh gets the needle's force; what lies "
+            "between it and the shaft is added in closed form. About two edges of the coarsest "
+            "mesh, and less than the distance to stiffer or softer tissue beside the needle.")
+          .written_if(in_space)
+          .otherwise("required in space, not allowed in the plane"),
+      space("segment", &S::segment, number("m", positive),
+            "In space: length of the pieces of the needle's way.")
+          .written_if(in_space)
+          .otherwise("0.5 mm"),
+      field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
+      field("friction", &N::friction, friction(),
+            "Friction along the shaft; without it there is none.")};
 }
 
 }  // namespace
@@ -152,15 +181,19 @@ Codec<NeedleParameters> needle_codec() {
 
 Codec<MembraneParameters> membrane_codec() {
   using M = MembraneParameters;
-  return block<M>({field("region", &M::region, text("a region"), "Region whose outline it is."),
+  return block<M>({field("region", &M::region, text("a region"), "Region whose outline it is.")
+                       .written_if([](const M& given) { return !given.region.empty(); }),
+                   field("surface", &M::surface, text("a surface"), "Closed surface, in space.")
+                       .written_if([](const M& given) { return !given.surface.empty(); }),
                    field("polygon", &M::polygon, list(point<ReferencePoint>("m")), "Its corners.")
                        .written_if([](const M& given) {
-                         return given.region.empty();  // otherwise filled in from the region
+                         // Otherwise filled in from the region.
+                         return given.region.empty() && given.surface.empty();
                        }),
                    field("puncture_force", &M::puncture_force, number("N", positive),
                          "Tip force at which it is punctured.")
                        .required()},
-                  {{"region", "polygon"}});
+                  {{"region", "surface", "polygon"}});
 }
 
 }  // namespace stylet

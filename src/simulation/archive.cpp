@@ -190,7 +190,7 @@ void Simulation::archive(Archive& archive) {
     NeedleParameters parameters = archive.loads() ? NeedleParameters{} : needle_->parameters();
     archive("parameters", parameters);
     if (archive.loads()) {
-      needle_.emplace(mesh(), parameters, NeedleTissue{}, body_.decides_by_velocity());
+      make_needle(parameters, {});
     }
     archive("needle", *needle_);
   } else {

@@ -20,11 +20,6 @@
 
 namespace stylet {
 
-static constexpr const char* no_number =
-    "the solver gives what is not a number; go on with --resume, and if that ends alike, the scene "
-    "has "
-    "numbers that are too large or too small";
-
 namespace {
 
 NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene, bool live) {
@@ -83,6 +78,7 @@ Body::Body(MPI_Comm comm, const Scene& scene, bool live)
   std::vector<int> all(static_cast<std::size_t>(mesh().n_cells()));
   std::iota(all.begin(), all.end(), 0);
   rewrites_.worst_quality = mesh().worst_quality(all);
+  if (scene.dim() == 3) return;  // no needle moves its nodes
   if (live || scene.needles.size() > 1) source_ = mesh().data();
   if (live) return;
   for (const NeedleParameters& needle : scene.needles) heights_.push_back(needle.height);
@@ -206,63 +202,6 @@ NeedleView Body::view(std::span<const int> nodes) const {
     states.push_back({of(0), of(1), of(2)});
   }
   return {std::vector<int>(nodes.begin(), nodes.end()), std::move(states)};
-}
-
-// Values of vectors at points of a track.
-std::vector<std::vector<TrackVector>> Body::on_track(const TrackOperator& track,
-                                                     std::span<const int> points,
-                                                     std::span<const Vec> vectors) const {
-  std::vector<int> dofs;
-  std::vector<double> signs;
-  for (const int point : points) {
-    for (const Component component : {Component::along, Component::across}) {
-      const auto [dof, sign] = find_coordinate(track, {point, component}, tissue_->n_dofs());
-      dofs.push_back(dof);
-      signs.push_back(sign);
-    }
-  }
-  std::vector<std::vector<TrackVector>> result;
-  for (const auto& values : gather(vectors, dofs)) {
-    auto& of_vector = result.emplace_back();
-    for (std::size_t i = 0; i < dofs.size(); i += 2) {
-      of_vector.push_back({signs[i] * values[i], signs[i + 1] * values[i + 1]});
-    }
-  }
-  return result;
-}
-
-TrackStart Body::view(const TrackOperator& track, std::span<const int> points) const {
-  std::vector<int> nodes;
-  for (const int dof : coordinates_of(track, points, tissue_->n_dofs())) nodes.push_back(dof / 2);
-  sort_unique(nodes);
-  integrator_->complete_at(nodes);
-  const Vec vectors[1] = {state_.u.get()};
-  return {std::vector<int>(points.begin(), points.end()), on_track(track, points, vectors)[0]};
-}
-
-TrackTrial Body::view(const TrackOperator& track,
-                      std::span<const int> points,
-                      const Trial& trial) const {
-  const Vec vectors[5] = {trial.u, trial.v, trial.needed.reaction, trial.working.reaction,
-                          trial.settled.reaction};
-  const auto values = on_track(track, points, vectors);
-  const auto is_number = [](TrackVector x) { return std::isfinite(x.along + x.across); };
-  for (const auto& each : values) {
-    if (!std::ranges::all_of(each, is_number)) throw NumericalError(no_number);
-  }
-  std::vector<PointTrial> trials;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    trials.push_back({values[0][i], values[1][i], values[2][i], values[3][i], values[4][i]});
-  }
-  return {std::vector<int>(points.begin(), points.end()), std::move(trials)};
-}
-
-void Body::watch(const TrackOperator& track, std::span<const int> points) {
-  const auto coordinates = coordinates_of(track, points, tissue_->n_dofs());
-  if (!coordinates.empty() && coordinates.back() >= tissue_->n_dofs()) {
-    throw std::logic_error("integrators take points of single dofs, no rows yet");
-  }
-  integrator_->watch(coordinates);
 }
 
 void Body::start() {

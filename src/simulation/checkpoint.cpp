@@ -132,8 +132,8 @@ Checkpoint checkpoint_of(MPI_Comm comm, Simulation& simulation, CheckpointAbout 
   about.steps = simulation.counts().steps;
   if (const Needle* needle = simulation.needle(); needle != nullptr) {
     about.phase = name_of(needle->phase());
-    const auto tip = simulation.rotation().to_scene(needle->axis().at<WorldFrame>(needle->tip()));
-    about.tip = {tip.x, tip.y};
+    const auto tip = simulation.rotation().to_scene(needle->on_axis(needle->tip()));
+    about.tip = {tip.x, tip.y, tip.z};
   }
   Checkpoint checkpoint;
   Archive described({});

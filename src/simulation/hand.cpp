@@ -4,6 +4,7 @@
 #include "stylet/needle/advance.hpp"
 #include "stylet/needle/axis.hpp"
 #include "stylet/needle/stops.hpp"
+#include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 
 #include <algorithm>
@@ -162,7 +163,7 @@ double expected_time(const Scene& scene, const Mesh& mesh) {
     for (const ProcedureRow& row : scene.procedure->rows) total += row.duration;
   }
   for (const auto& needle : scene.needles) {
-    const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
+    const double skin = skin_of(mesh, needle);
     const auto travels = travels_of(needle.motion, Axis::along_sign);
     for (std::size_t i = 0; i < travels.size(); ++i) {
       const Action& a = needle.motion[i];

@@ -16,6 +16,7 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
+#include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/room.hpp"
 
 #include <algorithm>
@@ -159,8 +160,8 @@ Scene with_procedure(MPI_Comm comm, Scene scene, std::string& note) {
 Scene in_needle_frame(Scene scene) {
   const Rotation rotation(scene.needle_angle);
   if (rotation.is_identity()) return scene;
-  for (auto& target : scene.targets) target.point = rotation.to_needle(target.point);
   const auto turn = [&](Components& c) { c = rotation.to_needle(Vector2{c.x, c.y}); };
+  for (auto& target : scene.targets) turn(target.point);
   for (auto& probe : scene.probes) turn(probe.point);
   for (auto& body : scene.body_forces) turn(body.force);
   for (auto& traction : scene.tractions) turn(traction.force);
@@ -211,13 +212,16 @@ void check_against_mesh(const Scene& scene, Mesh& mesh) {
     check_name(scene, "membrane.region", [&] { (void)mesh.region_index(scene.membrane->region); });
   }
   for (const auto& target : scene.targets) {
-    check_inside(scene, mesh, "targets", target.name, target.point);
+    check_inside(scene, mesh, "targets", target.name, target.point.place());
   }
   for (const auto& probe : scene.probes) {
     check_inside(scene, mesh, "probes", probe.name, probe.point.place());
   }
+  if (scene.membrane && !scene.membrane->surface.empty()) {
+    check_name(scene, "membrane.surface", [&] { (void)mesh.facets_of(scene.membrane->surface); });
+  }
   for (const auto& needle : scene.needles) {
-    check_name(scene, "needles", [&] { (void)find_entry(mesh, {needle.height}, needle.name); });
+    check_name(scene, "needles", [&] { (void)skin_of(mesh, needle); });
   }
 }
 
@@ -249,7 +253,7 @@ void check_step(const Scene& scene, const Mesh& mesh, double step) {
     }
   }
   for (const auto& needle : scene.needles) {
-    const double skin = Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
+    const double skin = skin_of(mesh, needle);
     const auto travels = travels_of(needle.motion, Axis::along_sign);
     double inserting = 0;  // s
     for (std::size_t i = 0; i < travels.size(); ++i) {
@@ -291,7 +295,9 @@ std::unique_ptr<TissueOperator> make_tissue(
     MPI_Comm comm, const Scene& scene, const NumberedMesh& numbered, bool live, Stiffness kept) {
   std::vector<double> heights;
   if (!live) {
-    for (const NeedleParameters& needle : scene.needles) heights.push_back(needle.height);
+    for (const NeedleParameters& needle : scene.needles) {
+      if (scene.dim() == 2) heights.push_back(needle.height);
+    }
   }
   std::function<bool(int)> needs_flips;
   if (live || !heights.empty()) needs_flips = near_needles(scene, numbered.mesh, heights);

@@ -4,6 +4,7 @@
 #include "stylet/needle/stops.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
+#include "stylet/simulation/space_way.hpp"
 
 #include <algorithm>
 #include <array>
@@ -188,10 +189,17 @@ void check_way(const Scene& scene, const Mesh& mesh, std::size_t needle, const N
 
 }  // namespace
 
+double skin_of(const Mesh& mesh, const NeedleParameters& needle) {
+  return mesh.dim() == 3 ? 0 : Axis::along(find_entry(mesh, {needle.height}, needle.name).x);
+}
+
 NeedlePath find_path(const Scene& scene, const Mesh& mesh, std::size_t needle) {
   const NeedleParameters& parameters = scene.needles[needle];
+  if (mesh.dim() == 3) return find_way(scene, mesh, parameters);
   NeedlePath path;
   path.entry = find_entry(mesh, {parameters.height}, parameters.name);
+  path.skin_point = path.entry.x;
+  path.direction = in_space(Axis::direction());
   path.skin = Axis::along(path.entry.x);
   for (const Travel& travel : travels_of(parameters.motion, Axis::along_sign)) {
     path.deepest = std::max(path.deepest, along_of(travel.to, path.skin) - path.skin);
@@ -236,6 +244,10 @@ bool skin_is_at_rest(const Scene& scene, std::size_t needle) {
 }
 
 void check_needles(const Scene& scene, const Mesh& mesh, const Conditions& conditions) {
+  if (mesh.dim() == 3) {
+    check_ways(scene, mesh, conditions);
+    return;
+  }
   for (std::size_t i = 0; i < scene.needles.size(); ++i) {
     const NeedlePath path = find_path(scene, mesh, i);
     const auto fault =

@@ -5,6 +5,7 @@
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/room.hpp"
+#include "stylet/simulation/space_way.hpp"
 #include "stylet/solvers/whole_solver.hpp"
 
 #include <algorithm>
@@ -173,15 +174,17 @@ class Overview {
 
   void add_membrane() {
     if (!scene_.membrane) return;
-    add("membrane", std::to_string(simulation_.membrane().size()) + " corners, holds up to " +
-                        with(scene_.membrane->puncture_force, 1, "N"));
+    const std::string made_of =
+        in_space_ ? std::to_string(membrane_surface(scene_, mesh_).size()) + " triangles"
+                  : std::to_string(simulation_.membrane().size()) + " corners";
+    add("membrane", made_of + ", holds up to " + with(scene_.membrane->puncture_force, 1, "N"));
   }
 
   void add_needle(std::size_t i) {
     const NeedleParameters& needle = scene_.needles[i];
     const NeedlePath path = find_path(scene_, mesh_, i);
     const std::string& name = needle.name;
-    add(name, "enters at " + centimetres(scene_, path.entry.x) + ", cuts at " +
+    add(name, "enters at " + centimetres(scene_, path.skin_point) + ", cuts at " +
                   with(needle.cutting.cutting_force / needle.cutting.sharpness, 1, "N") +
                   (needle.friction ? "" : ", without friction"));
     std::vector<std::string> pieces;
@@ -192,7 +195,10 @@ class Overview {
     add(name, "way: " + join(pieces) + " deep; the tissue ends at " + length_text(path.end));
     if (scene_.membrane) {
       std::vector<std::string> depths;
-      for (const double depth : crossings(path, needle.height, scene_.membrane->polygon)) {
+      const auto met = in_space_ ? surface_crossings(membrane_surface(scene_, mesh_),
+                                                     path.skin_point, path.direction, path.deepest)
+                                 : crossings(path, needle.height, scene_.membrane->polygon);
+      for (const double depth : met) {
         depths.push_back(length_text(depth));
       }
       add(name, depths.empty() ? "crosses no membrane" : "meets the membrane at " + join(depths));
@@ -207,8 +213,9 @@ class Overview {
     const double from = along_of(travel.from, skin);
     const double to = along_of(travel.to, skin);
     const auto end = [&] {
-      return "depth " + length_text(to - skin) + ", position " +
-             length_text(Axis::along_sign * to) + steps_text(std::abs(to - from) / action.speed);
+      return "depth " + length_text(to - skin) +
+             (in_space_ ? "" : ", position " + length_text(Axis::along_sign * to)) +
+             steps_text(std::abs(to - from) / action.speed);
     };
     switch (action.kind) {
       case ActionKind::insert:

@@ -22,11 +22,11 @@ using nlohmann::ordered_json;
 
 // Points as the scene has them.
 template <class P>
-std::vector<std::array<double, 2>> plain(const Rotation& turn, const std::vector<P>& points) {
-  std::vector<std::array<double, 2>> out;
+std::vector<std::array<double, 3>> plain(const Rotation& turn, const std::vector<P>& points) {
+  std::vector<std::array<double, 3>> out;
   for (const auto& p : points) {
-    const auto x = turn.to_scene(p);
-    out.push_back({x.x, x.y});
+    const SpacePoint x = turn.to_scene(p);
+    out.push_back({x.x, x.y, x.z});
   }
   return out;
 }
@@ -42,6 +42,11 @@ std::vector<double> components(const Scene& scene, double x, double y, double z)
   return values;
 }
 
+template <class P>
+std::vector<double> components(const Scene& scene, const P& p) {
+  return components(scene, p.x, p.y, p.z);
+}
+
 // The columns of the history, in order: `add` gets name, unit and what gives the value. Values that take
 // communication are shared by the columns that need them.
 template <class Add>
@@ -53,20 +58,22 @@ void each_column(const Simulation& simulation, const StepRecord& step, Add&& add
     // Before a live hand has entered a needle there is none.
     const bool is_there = simulation.needle() != nullptr;
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-    const auto tip = [&]() -> WorldPoint {
-      if (!is_there) return {nowhere, nowhere};
+    const auto tip = [&]() -> WorldPlace {
+      if (!is_there) return {nowhere, nowhere, nowhere};
       const Needle& needle = *simulation.needle();
-      return turn.to_scene(needle.axis().template at<WorldFrame>(needle.tip()));
+      return turn.to_scene(needle.on_axis(needle.tip()));
     };
-    const auto reference = [&]() -> ReferencePoint {
-      if (!is_there) return {nowhere, nowhere};
+    const auto reference = [&]() -> ReferencePlace {
+      if (!is_there) return {nowhere, nowhere, nowhere};
       return turn.to_scene(simulation.needle()->tip_point());
     };
     const NeedleForces& forces = step.needle.forces;
     add("tip_world_x", "m", [&] { return tip().x; });
     add("tip_world_y", "m", [&] { return tip().y; });
+    if (scene.dim() == 3) add("tip_world_z", "m", [&] { return tip().z; });
     add("tip_reference_x", "m", [&] { return reference().x; });
     add("tip_reference_y", "m", [&] { return reference().y; });
+    if (scene.dim() == 3) add("tip_reference_z", "m", [&] { return reference().z; });
     add("force_tip", "N", [&] { return forces.tip; });
     add("force_friction", "N", [&] { return forces.friction; });
     add("force_needle", "N", [&] { return forces.total(); });
@@ -128,7 +135,8 @@ std::vector<int> node_states(const Simulation& simulation) {
       state[static_cast<std::size_t>(node)] = 1;
     }
   }
-  if (const Needle* needle = simulation.needle(); needle != nullptr) {
+  const Needle* needle = simulation.needle();
+  if (needle != nullptr && simulation.mesh().dim() == 2) {
     for (const auto& shaft : needle->track().nodes()) {
       if (!shaft.attached) continue;
       state[static_cast<std::size_t>(shaft.node)] = shaft.contact == Contact::stick ? 2 : 3;
@@ -266,12 +274,10 @@ void Recorder::snapshot(const Simulation& simulation) {
 
   if (needle != nullptr && needle->phase() != NeedlePhase::withdrawn) {
     constexpr double outside = 0.01;  // m of the needle shown in front of the skin
-    const auto& axis = needle->axis();
-    snapshot.polylines.push_back(
-        {"needle",
-         plain(turn, std::vector{axis.at<WorldFrame>(needle->skin() - outside),
-                                 axis.at<WorldFrame>(needle->tip())}),
-         false});
+    snapshot.polylines.push_back({"needle",
+                                  plain(turn, std::vector{needle->on_axis(needle->skin() - outside),
+                                                          needle->on_axis(needle->tip())}),
+                                  false});
   }
   if (!simulation.membrane().empty()) {
     snapshot.polylines.push_back(
@@ -283,8 +289,8 @@ void Recorder::snapshot(const Simulation& simulation) {
     snapshot.point_sets.push_back({"seeds", plain(turn, simulation.body().world(places))});
   }
   if (!simulation.scene().targets.empty()) {
-    std::vector<ReferencePoint> targets;
-    for (const auto& target : simulation.scene().targets) targets.push_back(target.point);
+    std::vector<ReferencePlace> targets;
+    for (const auto& target : simulation.scene().targets) targets.push_back(target.point.place());
     snapshot.point_sets.push_back({"targets", plain(turn, targets)});
   }
   snapshots_->write(snapshot);
@@ -312,14 +318,14 @@ ordered_json summarise(MPI_Comm comm,
     ordered_json entry;
     entry["needle"] = seed.needle;
     entry["implanted_at"] = seed.time;
-    entry["reference"] = plain(turn, std::vector{places[i].x})[0];
-    entry["world"] = plain(turn, std::vector{world[i]})[0];
+    entry["reference"] = components(scene, turn.to_scene(places[i].x));
+    entry["world"] = components(scene, turn.to_scene(world[i]));
     entry["tip_displacement"] = norm(seed.displacement);
     entry["turned_over"] = seed.turned_over;
     for (const auto& target : scene.targets) {
       if (target.name != seed.target) continue;
       entry["target"] = target.name;
-      entry["target_point"] = plain(turn, std::vector{target.point})[0];
+      entry["target_point"] = components(scene, turn.to_scene(target.point.place()));
       // Before the end the seed is not where it will be.
       if (status == "completed") entry["placement_error"] = errors[i];
     }
@@ -336,9 +342,8 @@ ordered_json summarise(MPI_Comm comm,
   }
   const auto add_strain = [&](const char* name, const StrainPeak& peak) {
     const auto place = turn.to_scene(peak.place);
-    summary[name] = {{"value", peak.value},
-                     {"time", peak.time},
-                     {"place", components(scene, place.x, place.y, place.z)}};
+    summary[name] = {
+        {"value", peak.value}, {"time", peak.time}, {"place", components(scene, place)}};
   };
   add_strain("largest_strain", simulation.largest_strain().anywhere);
   add_strain("widespread_strain", simulation.largest_strain().widespread);
@@ -353,11 +358,11 @@ ordered_json summarise(MPI_Comm comm,
   const auto probes = simulation.body().world(simulation.probes());
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Vector3 u = turn.to_scene(moved(scene.probes[i].point.place(), probes[i]));
-    summary["probes"][scene.probes[i].name] = components(scene, u.x, u.y, u.z);
+    summary["probes"][scene.probes[i].name] = components(scene, u);
   }
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i) {
     const Vector3 force = turn.to_scene(simulation.body().curve_reaction(i));
-    summary["reactions"][scene.prescribed[i].curve] = components(scene, force.x, force.y, force.z);
+    summary["reactions"][scene.prescribed[i].curve] = components(scene, force);
   }
   const Energies& e = simulation.energies();
   summary["energy"] = {{"kinetic", e.kinetic},       {"strain", e.strain},

@@ -39,8 +39,8 @@ Score score_of(const Simulation& simulation) {
     const auto target = std::ranges::find(scene.targets, seed.target, &Target::name);
     SeedScore entry{seed.target, seed.time, std::nan(""), {}, seed.turned_over};
     if (target != scene.targets.end()) {
-      entry.error_now = norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y});
-      if (comes_to_rest) entry.error_at_rest = distance(places[i].x.in_plane(), target->point);
+      entry.error_now = distance(world[i], *target);
+      if (comes_to_rest) entry.error_at_rest = distance(places[i].x, *target);
     }
     if (const auto error = error_of(entry)) {
       sum += *error;

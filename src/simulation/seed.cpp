@@ -20,7 +20,7 @@ std::string why_no_seed(const Needle& needle, double largest_tip_force) {
                 : " mm in front of the skin's place at entry");
   }
   const bool beyond = needle.tip_contact() != TipContact::open && depth >= path;
-  if (needle.track().size() == 2 && !beyond) {
+  if (needle.path().is_first_cut() && !beyond) {
     return who + "implants a seed " + brief(1e3 * depth) +
            " mm behind the skin, within its first cut, which goes " + brief(1e3 * path) +
            " mm at once, half-way through an element: only a finer mesh can tell how far it has "
@@ -30,7 +30,7 @@ std::string why_no_seed(const Needle& needle, double largest_tip_force) {
   constexpr double dent = 0.2;
   const double needed = needle.force_to_cut();
   const bool is_in = path >= needle.parameters().cutting.tip_length || path >= dent * depth;
-  if (needle.track().size() > 1 && is_in) return {};
+  if (!needle.path().is_uncut() && is_in) return {};
   return who + "implants a seed, but has not cut its way in: its tip force reached " +
          brief(largest_tip_force) + " N of the " + brief(needed) +
          " N that are needed, and its tip is " + brief(1e3 * path) + " mm in the tissue after " +
@@ -46,15 +46,15 @@ Seed leave_seed(Body& body,
   if (const auto why = why_no_seed(needle, largest_tip_force); !why.empty()) {
     throw NumericalError(why);
   }
-  const ReferencePoint p = needle.tip_point();
-  const auto place = locate(mesh, p, mesh.cells_around(needle.track().tip()).front());
+  const ReferencePlace p = needle.tip_point();
+  const auto place = locate(mesh, p, needle.path().tip_cell());
   if (!place) throw NumericalError("a seed fell outside the tissue");
   Seed seed;
   seed.needle = needle.parameters().name;
   seed.target = target;
   seed.time = body.time();
-  const WorldPoint tip = needle.axis().at<WorldFrame>(needle.tip());
-  seed.displacement = {tip.x - p.x, tip.y - p.y};
+  const WorldPlace tip = needle.on_axis(needle.tip());
+  seed.displacement = {tip.x - p.x, tip.y - p.y, tip.z - p.z};
   seed.place = body.embed({&*place, 1});
   seed.tip = needle.stand();
   seed.cutting = needle.parameters().cutting;

@@ -7,6 +7,7 @@
 #include "stylet/simulation/needle_path.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/recorded.hpp"
+#include "stylet/simulation/space_way.hpp"
 #include "stylet/simulation/start.hpp"
 #include "stylet/simulation/track_binding.hpp"
 
@@ -36,7 +37,18 @@ std::vector<EmbeddedPoint> embedded_in(const Mesh& mesh,
 
 // Of the tissue along the needle (m).
 double extent_of(const Mesh& mesh) {
-  if (mesh.dim() == 3) return 0;  // there are no needles
+  if (mesh.dim() == 3) {
+    double low[3] = {1e300, 1e300, 1e300};
+    double high[3] = {-1e300, -1e300, -1e300};
+    for (int node = 0; node < mesh.n_nodes(); ++node) {
+      const auto x = mesh.coordinates(node);
+      for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], x[k]);
+        high[k] = std::max(high[k], x[k]);
+      }
+    }
+    return norm(Vector3{high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  }
   double first = Axis::along(mesh.point(0));
   double last = first;
   for (int node = 0; node < mesh.n_nodes(); ++node) {
@@ -68,7 +80,7 @@ Simulation::Simulation(MPI_Comm comm, Scene scene, bool track_energy, std::uniqu
   }
   if (scene_.procedure) hand_ = std::make_unique<Recorded>(scene_.procedure->rows);
   if (!hand_) hand_ = std::make_unique<Schedule>(scene_, extent_of(mesh()));
-  if (scene_.membrane) {
+  if (scene_.membrane && scene_.dim() == 2) {
     auto& polygon = scene_.membrane->polygon;
     if (polygon.empty()) polygon = region_outline(mesh(), scene_.membrane->region);
     membrane_ = body_.embed(embedded_in(mesh(), polygon, scene_));
@@ -102,6 +114,7 @@ StepRecord Simulation::step() {
 // Held points beside the needle are what it cannot push away: the likely cause of a step that fails.
 std::string Simulation::held_points() const {
   if (!needle_ || needle_->track().empty() || needle_->released()) return {};
+  if (scene_.dim() == 3) return {};  // it keeps away from them
   std::vector<int> nodes = needle_->watched();
   const int n_dofs = 2 * mesh().n_nodes();
   for (const int dof :
@@ -174,7 +187,8 @@ void Simulation::watch_strain() {
   const double interval = expected_time_ / moments;
   next_strain_ = time() + (interval > 0 && !live_ ? interval : live_interval);
   const auto u = gather_all(body().state().u.get());
-  const bool is_in = needle_ && !needle_->track().empty();
+  // In space the mesh has the far field alone.
+  const bool is_in = needle_ && !needle_->track().empty() && scene_.dim() == 2;
   raise(largest_strain_, mesh(), u, time(), is_in ? &needle_->track() : nullptr,
         is_in ? needle_->parameters().cutting.tip_length : 0);
   watch_all(u);
@@ -234,22 +248,17 @@ void Simulation::enter(const NeedleParameters& parameters) {
     check_needle(scene_, parameters);
     body_.expect(parameters);
   }
-  const Entry entry = find_entry(mesh(), {parameters.height}, parameters.name);
-  NeedleTissue tissue;
-  if (needle_) {
-    earlier_needles_ = counts_.needle;
-    tissue.earlier = needle_->leave();
-    body_.put_mesh_back();
+  double skin_at_rest = 0;
+  if (scene_.dim() == 2) {
+    const Entry entry = find_entry(mesh(), {parameters.height}, parameters.name);
+    make_needle(parameters, met_in_tissue());
+    std::vector<int> nodes{entry.node, entry.neighbour};
+    std::ranges::sort(nodes);
+    body_.apply(needle_->enter(entry, body_.view(nodes)), &needle_->track());
+    skin_at_rest = Axis::along(entry.x);
+  } else {
+    make_needle(parameters, met_in_tissue());
   }
-  if (scene_.membrane) {
-    tissue.membrane = scene_.membrane->polygon;
-    tissue.puncture_force = scene_.membrane->puncture_force;
-  }
-  tissue.region_modulus = region_modulus();
-  needle_.emplace(mesh(), parameters, std::move(tissue), body_.decides_by_velocity());
-  std::vector<int> nodes{entry.node, entry.neighbour};
-  std::ranges::sort(nodes);
-  body_.apply(needle_->enter(entry, body_.view(nodes)), &needle_->track());
   largest_tip_force_ = 0;
   last_friction_ = 0;
   since_entered_ = {};
@@ -257,7 +266,35 @@ void Simulation::enter(const NeedleParameters& parameters) {
     entered_.push_back(parameters);
     pushings_.push_back({parameters.name});
   }
-  hand_->entered(needle_->skin(), Axis::along(entry.x));
+  hand_->entered(needle_->skin(), skin_at_rest);
+}
+
+// The needle before, if there is one, has left the tissue.
+NeedleTissue Simulation::met_in_tissue() {
+  NeedleTissue tissue;
+  if (needle_) {
+    earlier_needles_ = counts_.needle;
+    tissue.earlier = needle_->leave();
+    body_.put_mesh_back();
+    body_.leave_track();
+  }
+  if (scene_.membrane) {
+    tissue.membrane = scene_.membrane->polygon;
+    tissue.puncture_force = scene_.membrane->puncture_force;
+  }
+  tissue.region_modulus = region_modulus();
+  return tissue;
+}
+
+void Simulation::make_needle(const NeedleParameters& parameters, NeedleTissue tissue) {
+  const bool by_velocity = body_.decides_by_velocity();
+  if (scene_.dim() == 2) {
+    needle_.emplace(mesh(), parameters, std::move(tissue), by_velocity);
+  } else {
+    needle_.emplace(parameters, make_path(scene_, mesh(), parameters, std::move(tissue)),
+                    by_velocity);
+  }
+  body_.follow(needle_->track_operator());
 }
 
 std::string Simulation::why_no_seed() const {
@@ -314,7 +351,7 @@ void Simulation::count_forces(const NeedleForces& forces, bool punctured) {
 }
 
 void Simulation::watch_tip() {
-  if (needle_->tip_contact() == TipContact::open) return;
+  if (needle_->tip_contact() == TipContact::open || scene_.dim() == 3) return;
   const auto nodes = needle_->watched();
   const NeedleView view = body_.view(nodes);
   TurnedOver seen;
@@ -351,9 +388,9 @@ std::vector<double> Simulation::placement_errors() const {
     if (target == scene_.targets.end()) {
       errors.push_back(std::nan(""));
     } else if (scene_.time.until_implanted) {
-      errors.push_back(distance(places[i].x.in_plane(), target->point));
+      errors.push_back(distance(places[i].x, *target));
     } else {
-      errors.push_back(norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y}));
+      errors.push_back(distance(world[i], *target));
     }
   }
   return errors;

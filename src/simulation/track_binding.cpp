@@ -29,6 +29,7 @@ ConstraintSet bind(const TrackConditions& conditions, const TrackOperator& track
   mean.value = conditions.mean->value;
   mean.rate = conditions.mean->rate;
   mean.by_rate = conditions.mean->by_rate;
+  mean.rest = conditions.mean->rest;
   for (const auto& [point, share] : conditions.mean->shares) {
     const auto [index, sign] = find_coordinate(track, {point, Component::along}, n_dofs);
     mean.weights.push_back({index, sign * share});
@@ -41,8 +42,9 @@ std::vector<int> coordinates_of(const TrackOperator& track,
                                 int n_dofs) {
   std::vector<int> coordinates;
   for (const int point : points) {
-    for (const Component component : {Component::along, Component::across}) {
-      coordinates.push_back(find_coordinate(track, {point, component}, n_dofs).index);
+    for (int k = 0; k < track.n_components(); ++k) {
+      const TrackPlace place{point, static_cast<Component>(k)};
+      coordinates.push_back(find_coordinate(track, place, n_dofs).index);
     }
   }
   sort_unique(coordinates);

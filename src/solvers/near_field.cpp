@@ -73,6 +73,19 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   factored_.take(a, owned);
   whole_.factor(factored_.matrix());
   stale_ = false;
+  leave_all();
+}
+
+void NearField::follow(const TrackOperator* track) {
+  if (!only_dofs_) {
+    stale_ = stale_ || !changed_.empty();
+    leave_all();
+  }
+  track_ = track;
+}
+
+// Nothing is near.
+void NearField::leave_all() {
   coordinates_.clear();
   rows_.clear();
   only_dofs_ = true;

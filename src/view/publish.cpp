@@ -113,7 +113,7 @@ void publish_seeds(const LiveRun& run, Frame& frame) {
     if (target != targets.end()) {
       shown.error_now = norm(Vector2{world[i].x - target->point.x, world[i].y - target->point.y});
       // Linear tissue that nothing acts on goes back to where it was (src/MODEL.md, section 9).
-      if (comes_to_rest) shown.error_at_rest = distance(places[i].x.in_plane(), target->point);
+      if (comes_to_rest) shown.error_at_rest = distance(places[i].x, *target);
       if (seed.turned_over == 0) shown.band = run.band(seed.target);
       frame.targets[static_cast<std::size_t>(target - targets.begin())].has_seed = true;
     }

@@ -35,7 +35,7 @@ Tip at_depth(double depth, int refine, std::vector<std::string> overrides = {}) 
     if (in > 0.003) tip.least = std::min(tip.least, step.needle.forces.tip);
   });
   const Needle& needle = *simulation.needle();
-  const ReferencePoint at = needle.tip_point();
+  const ReferencePoint at = needle.tip_point().in_plane();
   tip.gap = 1e3 * (needle.tip() - Axis::along(at));
   return tip;
 }

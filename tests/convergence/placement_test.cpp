@@ -20,7 +20,7 @@ double mean_error(std::vector<std::string> overrides) {
   run_to_end(simulation, [&](const StepRecord&) {
     const Needle& needle = *simulation.needle();
     if (needle.tip() < end - 0.006 - 1e-9) return;
-    const ReferencePoint tip = needle.tip_point();
+    const ReferencePoint tip = needle.tip_point().in_plane();
     sum +=
         std::hypot(Axis::along(tip) - needle.tip(), Axis::across(tip) - needle.parameters().height);
     ++n;

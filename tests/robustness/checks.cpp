@@ -83,7 +83,7 @@ void Watch::look_at_needle(const Simulation& simulation, const StepRecord& step)
     attached.insert(nodes[i].node);
     if (!attached_.contains(nodes[i].node)) continue;
     const double off =
-        Axis::across(mesh.point(nodes[i].node)) + u[2 * i + 1] - needle.axis().across_position;
+        Axis::across(mesh.point(nodes[i].node)) + u[2 * i + 1] - needle.parameters().height;
     // Prescribed dofs take their values without a solver; 1e-12 m is round-off of 0.1 m.
     if (std::abs(off) > 1e-12) breach("shaft node " + number(off) + " m off the axis");
   }

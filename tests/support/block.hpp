@@ -63,7 +63,7 @@ class Block {
                     friction),
                 {},
                 body_.decides_by_velocity()) {
-    const Entry entry = find_entry(body_.mesh(), needle_.axis(), "needle");
+    const Entry entry = find_entry(body_.mesh(), {needle_.parameters().height}, "needle");
     std::vector<int> ends{entry.node, entry.neighbour};
     std::ranges::sort(ends);
     body_.apply(needle_.enter(entry, body_.view(ends)));

@@ -24,6 +24,8 @@ class CondensedIntegrator : public TimeIntegrator {
   [[nodiscard]] bool decides_by_velocity() const override { return false; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] std::string solver() const override { return near_.whole().name(); }
+  void follow(const TrackOperator& track) override;
+  void leave_track() override;
 
  protected:
   /// The tissue is lent.
@@ -33,13 +35,21 @@ class CondensedIntegrator : public TimeIntegrator {
   [[nodiscard]] static std::vector<int> dofs_of(const ConstraintSet& constraints);
   /// extra_ = change and the constraints' forces; change: of near dofs.
   void push(const ConstraintSet& constraints, std::span<const double> change);
-  /// Springs of the near field that stand for dashpots: v1 = start + rate q of the i-th near dof.
+  /// Springs of the near field that stand for dashpots: v1 = start + rate q of the i-th near dof; of a row
+  /// the rate is that of its mean velocity.
   void damp(const ConstraintSet& constraints, double rate, const std::vector<double>& start);
   /// Takes what was added to b at near dofs from a residual.
   void take_extra(Vec residual, std::span<const double> extra) const;
   /// Displacement, velocity and reaction of the trial at near dofs; `u_of`, `v_of`: of the i-th.
   template <class Displacement, class Velocity>
   Trial near_trial(Displacement&& u_of, Velocity&& v_of);
+  /// The displacement of a row beyond that of the tissue behind it, by the forces on rows.
+  [[nodiscard]] double rest_of(int coordinate) const;
+  /// What those forces store (J).
+  [[nodiscard]] double energy_of_rest() const;
+  /// The forces on rows of a trial that is accepted.
+  void keep_row_forces();
+  void archive_rows(Archive& archive);
   /// reaction_ = residual at held dofs, what the solution says at given ones, zero elsewhere.
   void collect_reactions(Vec residual);
 
@@ -56,6 +66,9 @@ class CondensedIntegrator : public TimeIntegrator {
   std::vector<double> extra_;  ///< added to the right-hand side at near dofs in the last trial
   NearField::Demand demand_;   ///< of the last trial
   NearField::Solution solution_;
+  const TrackOperator* track_ = nullptr;
+  std::vector<DofValue> row_forces_;  ///< N, by coordinate, at the end of the last step
+  double mean_rest_energy_ = 0;       ///< J, of the rest of its mean condition
   Trial trial_;
   OwnedVec u_;  ///< of the trial
   OwnedVec v_;

@@ -62,6 +62,8 @@ class ImplicitNewmark final : public CondensedIntegrator {
   }
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   void renewed(const Mesh& mesh) override;
+  void leave_track() override;
+  [[nodiscard]] RowTrial row(int coordinate) const override;
   [[nodiscard]] EnergyRules energy_rules() const override;
   void archive(Archive& archive) override;
 
@@ -116,6 +118,7 @@ class ImplicitNewmark final : public CondensedIntegrator {
   std::vector<double> u_near_;  ///< predictors
   std::vector<double> v_near_;
   std::vector<double> change_;  ///< of the right-hand side by edits since `begin`
+  std::vector<double> start_;   ///< displacement of rows at the start of the step (m), zero at dofs
   OwnedVec u_guess_;            ///< predictor of the step
   OwnedVec v_guess_;
   OwnedVec increment_;  ///< u1 - predictor = c1 h^2 a1, the unknown

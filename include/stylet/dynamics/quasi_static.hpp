@@ -26,6 +26,8 @@ class QuasiStatic final : public CondensedIntegrator {
   void complete() override;
   void complete_at(std::span<const int> nodes) override { watch(stylet::dofs_of(nodes)); }
   void renewed(const Mesh& mesh) override;
+  void leave_track() override;
+  [[nodiscard]] RowTrial row(int coordinate) const override;
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] EnergyRules energy_rules() const override {
     return {.inertia = false, .advice = "a smaller time.step, or a finer mesh"};

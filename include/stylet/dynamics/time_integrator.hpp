@@ -44,6 +44,15 @@ struct Trial {
   double swing_time = 0;
 };
 
+/// A row of a track in the last trial, which the vectors do not hold. The compliance behind it has no mass, so
+/// that no motion comes to it as a blow.
+struct RowTrial {
+  double start;     ///< displacement at the start of the step (m)
+  double u;         ///< at its end
+  double v;         ///< mean velocity of the step (m/s)
+  double reaction;  ///< N, needed by what is given there
+};
+
 /// Forces at the end of a step without a blow.
 [[nodiscard]] inline Trial at_end(Vec u, Vec v, HoldingForces forces) {
   Trial trial;
@@ -81,8 +90,16 @@ class TimeIntegrator {
   /// are held must not change from step to step, their values may.
   virtual void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) = 0;
 
-  /// Collective. The next trials must hold the values of these dofs, whatever their constraints.
-  virtual void watch(std::span<const int> dofs) = 0;
+  /// Collective. The next trials must hold the values of these dofs, whatever their constraints, or of these
+  /// rows of the track that is followed (coordinate_of).
+  virtual void watch(std::span<const int> coordinates) = 0;
+
+  /// Rows are of this track from now on; lent.
+  virtual void follow(const TrackOperator& track);
+  /// Collective, between steps. There are no rows any more, and no forces on them.
+  virtual void leave_track();
+  /// Of a watched row.
+  [[nodiscard]] virtual RowTrial row(int coordinate) const;
 
   /// Collective. The end of the step under these constraints of dofs that are not held, from the
   /// state as it is now (an edit may have changed it since the last trial: `edited`). What it returns

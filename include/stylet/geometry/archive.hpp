@@ -12,6 +12,13 @@ inline void archive(Archive& archive, Vector2& vector) {
   archive("y", y);
 }
 
+inline void archive(Archive& archive, Vector3& vector) {
+  auto& [x, y, z] = vector;
+  archive("x", x);
+  archive("y", y);
+  archive("z", z);
+}
+
 template <class Frame>
 void archive(Archive& archive, Point<Frame>& point) {
   auto& [x, y] = point;

@@ -38,6 +38,9 @@ struct Vector3 {
   friend bool operator==(const Vector3&, const Vector3&) = default;
 };
 
+inline Vector3 in_space(Vector2 v) {
+  return {v.x, v.y, 0};
+}
 inline double dot(Vector3 a, Vector3 b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }

@@ -15,6 +15,8 @@ struct PointForce {
   double across = 0;
   double settled_along = 0;
   double settled_across = 0;
+  double across_too = 0;  ///< in space
+  double settled_across_too = 0;
 };
 
 /// The entry of a point, made if there is none.

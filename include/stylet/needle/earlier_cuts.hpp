@@ -10,15 +10,15 @@ namespace stylet {
 
 /// The reference frame is the material's: these points stay where they are when the mesh is rewritten.
 struct EarlierCuts {
-  std::vector<std::vector<ReferencePoint>> paths;  ///< from the skin to the deepest point
-  std::vector<ReferencePoint> punctures;           ///< of the membrane
+  std::vector<std::vector<ReferencePlace>> paths;  ///< from the skin to the deepest point
+  std::vector<ReferencePlace> punctures;           ///< of the membrane
 
   /// How far along the unit vector r from p tissue is cut already (m): as far as the ray stays within
   /// `radius` of a path and does not pass its end.
-  [[nodiscard]] double free_length(ReferencePoint p, Vector2 r, double radius) const;
+  [[nodiscard]] double free_length(ReferencePlace p, Vector3 r, double radius) const;
 };
 
 /// True if p is within `radius` of one of the points.
-[[nodiscard]] bool is_near(std::span<const ReferencePoint> points, ReferencePoint p, double radius);
+[[nodiscard]] bool is_near(std::span<const ReferencePlace> points, ReferencePlace p, double radius);
 
 }  // namespace stylet

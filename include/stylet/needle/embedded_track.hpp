@@ -49,6 +49,8 @@ class EmbeddedTrack final : public TrackOperator {
   [[nodiscard]] const TrackSegment& segment(int point) const {
     return segments_[static_cast<std::size_t>(point)];
   }
+  /// Of the mesh, at the middle of a segment.
+  [[nodiscard]] int cell(int point) const { return cells_[static_cast<std::size_t>(point)]; }
   /// Where the line crosses the skin.
   [[nodiscard]] ReferencePlace skin() const { return skin_; }
   /// Unit vector; those across are normal to the track and to each other.
@@ -62,6 +64,7 @@ class EmbeddedTrack final : public TrackOperator {
   /// others stand in for them.
   [[nodiscard]] SparseRow row(TrackPlace place) const override;
   [[nodiscard]] double rest(TrackPlace a, TrackPlace b) const override;
+  [[nodiscard]] int n_components() const override { return 3; }
 
   /// Of a load that is even between two depths (m, on the track): how its segments share it.
   [[nodiscard]] std::vector<PointShare> shares(double from, double to) const;
@@ -90,8 +93,12 @@ class EmbeddedTrack final : public TrackOperator {
   ReferencePlace skin_;
   std::array<Vector3, 3> axes_;
   std::vector<TrackSegment> segments_;
+  std::vector<int> cells_;
   std::vector<std::vector<NodeShare>> shares_;  ///< of each segment, by node
   RestCompliance rest_;
+  // Entries of C between segments: [a * size() + b].
+  std::vector<double> rest_along_;
+  std::vector<double> rest_across_;
 };
 
 }  // namespace stylet

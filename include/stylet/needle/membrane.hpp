@@ -15,7 +15,7 @@ namespace stylet {
                                                    ReferencePoint p,
                                                    Vector2 r,
                                                    double length,
-                                                   std::span<const ReferencePoint> punctures,
+                                                   std::span<const ReferencePlace> punctures,
                                                    double radius);
 
 }  // namespace stylet

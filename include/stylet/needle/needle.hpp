@@ -8,14 +8,15 @@
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/advance_search.hpp"
 #include "stylet/needle/contact_work.hpp"
-#include "stylet/needle/cut_path.hpp"
 #include "stylet/needle/cutting.hpp"
 #include "stylet/needle/motion.hpp"
 #include "stylet/needle/parameters.hpp"
+#include "stylet/needle/reference_path.hpp"
 #include "stylet/needle/shaft_contacts.hpp"
 #include "stylet/needle/track_view.hpp"
 #include "stylet/needle/view.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,14 +63,17 @@ void archive(Archive& archive, TipStand& stand);
 
 class Needle {
  public:
-  /// The mesh is lent. velocity_level: contact is decided by velocities (central difference).
+  /// velocity_level: contact is decided by velocities (central difference). The tip stands at the begin of
+  /// the path, at the place 0 along it.
+  Needle(NeedleParameters parameters, std::unique_ptr<ReferencePath> path, bool velocity_level);
+  /// In triangles; the mesh is lent.
   Needle(const Mesh& mesh, NeedleParameters parameters, NeedleTissue tissue, bool velocity_level);
 
-  /// The skin node slides to the axis; start: the two nodes of the entry. Returns the edit. The tip
-  /// stands at the skin afterwards.
+  /// In triangles. The skin node slides to the axis; start: the two nodes of the entry. Returns the edit.
+  /// The tip stands at the skin afterwards.
   NeedleEdits enter(const Entry& entry, const NeedleView& start);
   /// What later needles find: the earlier cuts and this needle's.
-  [[nodiscard]] EarlierCuts leave() const { return path_.leave(); }
+  [[nodiscard]] EarlierCuts leave() const { return path_->leave(); }
 
   /// Between two steps: other forces at which the tip cuts and the shaft slides, of the same laws, and
   /// other numbers of the tissue (as in NeedleTissue).
@@ -79,11 +83,11 @@ class Needle {
               std::vector<double> region_modulus);
 
   /// Nodes whose start-of-step state `plan` needs; ascending.
-  [[nodiscard]] std::vector<int> watched() const { return path_.watched(); }
+  [[nodiscard]] std::vector<int> watched() const { return path_->watched(); }
   /// Points whose trial the review needs; ascending.
   [[nodiscard]] std::vector<int> loaded_points() const;
   /// What stands behind points.
-  [[nodiscard]] const TrackOperator& track_operator() const { return path_; }
+  [[nodiscard]] const TrackOperator& track_operator() const { return *path_; }
 
   /// A needle that is out of the tissue takes no part in a step, unless it goes in again.
   [[nodiscard]] bool takes_part(const NeedleStep& step) const {
@@ -94,7 +98,7 @@ class Needle {
   void start_step(const NeedleStep& step);
   /// The same step from the same start, which ends sooner: its edits and contacts stay.
   void shorten_step(const NeedleStep& step);
-  [[nodiscard]] bool wants_edit() const { return path_.wants_edit(); }
+  [[nodiscard]] bool wants_edit() const { return path_->wants_edit(); }
   /// Throws NumericalError if the tip cannot go on.
   NeedleEdits plan(const NeedleView& start);
   [[nodiscard]] TrackConditions conditions() const;
@@ -108,30 +112,32 @@ class Needle {
                           double end_weight = 1);
 
   [[nodiscard]] const NeedleParameters& parameters() const { return parameters_; }
-  [[nodiscard]] const Axis& axis() const { return path_.axis(); }
+  /// The point of the axis at a place along it.
+  [[nodiscard]] WorldPlace on_axis(double along) const { return path_->on_axis(along); }
   /// Places along the axis (m): of the needle's own tip, and of the skin when it entered.
   [[nodiscard]] double tip() const { return tip_along_; }
   [[nodiscard]] double skin() const { return skin_along_; }
-  [[nodiscard]] const Track& track() const { return path_.track(); }
-  [[nodiscard]] double path_length() const { return path_.length(); }
+  [[nodiscard]] const Track& track() const { return path_->track(); }
+  [[nodiscard]] const ReferencePath& path() const { return *path_; }
+  [[nodiscard]] double path_length() const { return path_->length(); }
   [[nodiscard]] NeedlePhase phase() const { return phase_; }
   [[nodiscard]] TipContact tip_contact() const { return tip_; }
   /// Tip force (N) at which a tip that is in with all of its length cuts on, or punctures the membrane.
   [[nodiscard]] double force_to_cut() const;
   [[nodiscard]] TipStand stand() const;
-  [[nodiscard]] bool at_membrane() const { return path_.at_membrane(); }
-  [[nodiscard]] const NeedleCounts& counts() const { return path_.counts(); }
+  [[nodiscard]] bool at_membrane() const { return path_->at_membrane(); }
+  [[nodiscard]] const NeedleCounts& counts() const { return path_->counts(); }
   /// Where the tip stands in the reference mesh: the end of the path, or the point of the path that
   /// a withdrawing tip has come back to.
-  [[nodiscard]] ReferencePoint tip_point() const { return path_.tip_point(); }
+  [[nodiscard]] ReferencePlace tip_point() const { return path_->tip_point(); }
   /// True if every node of the path has been released.
-  [[nodiscard]] bool released() const { return path_.is_released(); }
+  [[nodiscard]] bool released() const { return path_->is_released(); }
 
   /// Between steps; loaded into a needle with the same parameters.
   void archive(Archive& archive);
 
  private:
-  [[nodiscard]] bool searches() const { return parameters_.cutting.law == CuttingLaw::consistent; }
+  [[nodiscard]] bool searches() const { return stylet::searches(parameters_.cutting); }
   /// A place to be reached in one step would be a blow: the gap is left to later cuts.
   [[nodiscard]] bool holds_by_rate() const {
     return velocity_level_ && parameters_.cutting.law == CuttingLaw::lagged;
@@ -153,7 +159,7 @@ class Needle {
 
   NeedleParameters parameters_;
   bool velocity_level_;
-  CutPath path_;
+  std::unique_ptr<ReferencePath> path_;
   ShaftContacts contacts_;
   AdvanceSearch search_;
   ContactWork work_;

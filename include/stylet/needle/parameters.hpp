@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stylet/base/archive.hpp"
+#include "stylet/geometry/components.hpp"
 #include "stylet/geometry/points.hpp"
 
 #include <optional>
@@ -25,6 +26,11 @@ struct CuttingParameters {
   double increment = 0;                 ///< m; b of the increment law
 };
 
+/// The law finds the advance within the step.
+[[nodiscard]] inline bool searches(const CuttingParameters& cutting) {
+  return cutting.law == CuttingLaw::consistent;
+}
+
 /// Per metre of reference path, therefore independent of the mesh.
 struct FrictionParameters {
   double static_force = 0;         ///< N/m
@@ -34,9 +40,11 @@ struct FrictionParameters {
   double viscous_coefficient = 0;  ///< N s/m^2; adds to kinetic_force by the speed of sliding
 };
 
-/// A closed polygon in the reference frame, given by its vertices or as the boundary of a region.
+/// A closed polygon in the reference frame, given by its vertices or as the boundary of a region; in space a
+/// closed surface, named or the boundary of a region.
 struct MembraneParameters {
-  std::string region;                   ///< empty if the polygon is given
+  std::string region;                   ///< empty if the polygon or the surface is given
+  std::string surface;                  ///< in space
   std::vector<ReferencePoint> polygon;  ///< vertices, filled in from the region before use
   double puncture_force = 0;            ///< N
 };
@@ -54,10 +62,21 @@ struct Action {
   std::string target;              ///< implant: name of the target of this seed
 };
 
+/// Of a needle in space: its axis, and how it is split into what the mesh carries and what is added in closed
+/// form (embedded_track.hpp).
+struct SpaceParameters {
+  std::optional<Components> entry;      ///< m; a point of the axis on the skin, or in front of it
+  std::optional<Components> target;     ///< m; another point of the axis, or
+  std::optional<Components> direction;  ///< of insertion, of any length
+  double kernel_radius = 0;             ///< m
+  double segment = 0.5e-3;              ///< m; length of a piece of the track
+};
+
 struct NeedleParameters {
   std::string name;
-  double height = 0;          ///< m; coordinate of the axis across the needle
+  double height = 0;          ///< m; coordinate of the axis across the needle, in the plane
   double diameter = 1.27e-3;  ///< m; an 18 gauge needle
+  SpaceParameters space;
   CuttingParameters cutting;
   std::optional<FrictionParameters> friction;
   std::vector<Action> motion;

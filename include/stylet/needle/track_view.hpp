@@ -14,6 +14,7 @@ namespace stylet {
 struct TrackVector {
   double along = 0;
   double across = 0;
+  double across_too = 0;  ///< in space
 };
 
 /// End of the step as tried.
@@ -53,6 +54,7 @@ struct TrackMean {
   double value = 0;
   double rate = 0;
   bool by_rate = false;
+  double rest = 0;  ///< what it moves beyond its points by a unit of load (m/N)
 };
 
 /// The force coefficient (speed - v), v the velocity of the place at the end of the step, as Dashpot.

@@ -5,7 +5,8 @@
 //                      attribute mesh_version
 //   /step_000012       attributes time, phase, index and mesh (name of the mesh group);
 //                      one array a field, vectors with three components (z = 0)
-//   /step_000012/polylines/needle, /step_000012/point_sets/seeds     (n, 2) in m, world frame
+//   /step_000012/polylines/needle, /step_000012/point_sets/seeds     (n, 2) in m, in
+//                      space (n, 3), world frame
 //
 // Every array has the attribute `unit`. A mesh is stored again only when its version changed, and
 // with a link to the same connectivity as long as nodes only moved; flags and points that are those of
@@ -47,14 +48,14 @@ struct FlagField {
 /// The same on all ranks. Without points it is left out.
 struct Polyline {
   std::string name;
-  std::vector<std::array<double, 2>> points;
+  std::vector<std::array<double, 3>> points;  ///< m; z of space only
   bool closed = false;
 };
 
 /// The same on all ranks. Without points it is left out.
 struct PointSet {
   std::string name;
-  std::vector<std::array<double, 2>> points;
+  std::vector<std::array<double, 3>> points;  ///< m; z of space only
 };
 
 struct Snapshot {

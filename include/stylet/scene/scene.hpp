@@ -58,8 +58,15 @@ struct PrescribedCurve {
 
 struct Target {
   std::string name;
-  ReferencePoint point;
+  Components point;
 };
+
+/// Distance of a place from a target (m).
+template <class Frame>
+[[nodiscard]] double distance(SpacePoint<Frame> x, const Target& target) {
+  const ReferencePlace to = target.point.place();
+  return norm(Vector3{x.x - to.x, x.y - to.y, x.z - to.z});
+}
 
 /// A picture of the tissue before anything moves.
 struct ImageParameters {

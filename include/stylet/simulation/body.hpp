@@ -98,6 +98,10 @@ class Body {
   void start();
   /// Collective. Starts a step of h (s) from the state: loads and prescribed displacements of its end.
   void begin(double h);
+  /// In space, before any of its points is watched: the track that is lent from now on; and that it is not any
+  /// more, collective and between steps.
+  void follow(const TrackOperator& track);
+  void leave_track();
   /// Collective. The next trials must hold the values of these points of a track.
   void watch(const TrackOperator& track, std::span<const int> points);
   /// Collective. The end of the step under these constraints; edited: since the last trial.
@@ -126,6 +130,8 @@ class Body {
   [[nodiscard]] std::vector<std::vector<TrackVector>> on_track(const TrackOperator& track,
                                                                std::span<const int> points,
                                                                std::span<const Vec> vectors) const;
+  template <class Value>
+  [[nodiscard]] std::vector<TrackVector> rows_of(std::span<const int> points, Value&& value) const;
   void update_load(double t);
   [[nodiscard]] double prescribed_work(const Trial& trial) const;
   std::vector<int> rewrite(const NeedleEdits& edits, const Track* repaired);

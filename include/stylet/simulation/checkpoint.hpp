@@ -27,7 +27,7 @@ struct CheckpointAbout {
   double time = 0;  ///< s
   long long steps = 0;
   std::string phase = {};                         ///< of the needle that is in; empty without one
-  Vector2 tip = {};                               ///< of it, in space (m)
+  Vector3 tip = {};                               ///< of it, in space (m)
   std::string summary = {};                       ///< of the run so far, JSON
   std::map<std::string, double> wall_times = {};  ///< s, by phase
   void archive(Archive& archive);

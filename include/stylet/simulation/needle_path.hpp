@@ -19,14 +19,19 @@ struct PathPiece {
 };
 
 struct NeedlePath {
-  Entry entry;
-  double skin = 0;     ///< along coordinate of the entry point (m)
+  Entry entry;  ///< in the plane
+  ReferencePlace skin_point;
+  Vector3 direction;   ///< of the advance
+  double skin = 0;     ///< along coordinate of the entry point (m); in space 0
   double deepest = 0;  ///< of all stops, behind the entry point (m)
   double end = 0;      ///< where the axis leaves the tissue again, behind the entry point (m)
   std::vector<PathPiece> pieces;  ///< from the skin to the deepest stop, in the undeformed tissue
 };
 
 [[nodiscard]] NeedlePath find_path(const Scene& scene, const Mesh& mesh, std::size_t needle);
+
+/// Along coordinate of the entry point (m).
+[[nodiscard]] double skin_of(const Mesh& mesh, const NeedleParameters& needle);
 
 /// Depths (m) at which a closed polygon crosses the way, up to the deepest stop.
 [[nodiscard]] std::vector<double> crossings(const NeedlePath& path,

@@ -12,7 +12,7 @@ struct Seed {
   std::string needle;
   std::string target;    ///< empty if the scene has none
   double time = 0;       ///< of implantation (s)
-  Vector2 displacement;  ///< of the tissue there when it was implanted (m)
+  Vector3 displacement;  ///< of the tissue there when it was implanted (m)
   Riders place;          ///< one point
   TipStand tip;
   CuttingParameters cutting;  ///< of the needle

@@ -126,6 +126,8 @@ class Simulation {
   void act_without_time();
   void fulfil(const Wish& wish);
   void enter(const NeedleParameters& parameters);
+  [[nodiscard]] NeedleTissue met_in_tissue();
+  void make_needle(const NeedleParameters& parameters, NeedleTissue tissue);
   [[nodiscard]] std::vector<double> region_modulus() const;
   void tell_needle();
   void implant(const std::string& target);

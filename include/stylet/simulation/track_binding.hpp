@@ -21,7 +21,7 @@ struct Coordinate {
                                  const TrackOperator& track,
                                  int n_dofs);
 
-/// Both components of these points; ascending.
+/// All components of these points; ascending.
 [[nodiscard]] std::vector<int> coordinates_of(const TrackOperator& track,
                                               std::span<const int> points,
                                               int n_dofs);

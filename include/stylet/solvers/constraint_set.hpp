@@ -26,6 +26,7 @@ struct MeanCondition {
   /// Only the rate is asked for: a gap that was there when the contact began stays. For integrators that
   /// decide by velocity.
   bool by_rate = false;
+  double rest = 0;  ///< what the mean moves beyond the dofs by a unit of lambda (m/N); of rows
 };
 
 /// Pulls a dof along with coefficient (speed - v), v its velocity at the end of the step: a force that is

@@ -33,9 +33,9 @@ class NearField {
   /// Collective.
   NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_dofs_(n_dofs), whole_(comm, n_dofs) {}
 
-  /// The rows behind the dofs, as long as there are any near; lent. Their compliance must be positive
-  /// definite beside that of the tissue.
-  void follow(const TrackOperator* track) { track_ = track; }
+  /// The rows behind the dofs, none for null; lent. Their compliance must be positive definite beside that of
+  /// the tissue. Rows of another track are near no more, nor is anything else then.
+  void follow(const TrackOperator* track);
   /// Collective. New factor with these dofs eliminated (of all ranks); nothing near.
   void factor(Mat a, std::span<const PrescribedDof> held);
   /// Of the whole tissue's solver.
@@ -114,6 +114,7 @@ class NearField {
   [[nodiscard]] std::vector<double> changed_forces(std::span<const double> x) const;
 
  private:
+  void leave_all();
   void grow(std::span<const int> coordinates);
   [[nodiscard]] std::vector<double> compliance(std::size_t from);
   [[nodiscard]] std::vector<double> loaded(std::size_t from);

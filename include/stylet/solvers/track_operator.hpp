@@ -36,6 +36,8 @@ class TrackOperator {
   TrackOperator& operator=(const TrackOperator&) = default;
   virtual ~TrackOperator() = default;
 
+  /// Directions that there are.
+  [[nodiscard]] virtual int n_components() const { return 2; }
   /// Row of B.
   [[nodiscard]] virtual SparseRow row(TrackPlace place) const = 0;
   /// The one entry of such a row; none if it has more. Asked for in every trial.

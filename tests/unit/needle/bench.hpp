@@ -75,7 +75,7 @@ struct Bench {
       : mesh(std::move(tissue_mesh)),
         motion(parameters.motion),
         needle(mesh, std::move(parameters), std::move(tissue), false) {
-    const Entry entry = find_entry(mesh, needle.axis(), "needle");
+    const Entry entry = find_entry(mesh, {needle.parameters().height}, "needle");
     rewrite(mesh, needle.enter(entry, still(mesh)));
     motion.enter(needle.skin(), Axis::along_sign);
   }

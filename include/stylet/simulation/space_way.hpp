@@ -1,0 +1,34 @@
+// The ways of needles in space: straight lines, known before the run.
+#pragma once
+
+#include "stylet/mesh/mesh.hpp"
+#include "stylet/needle/embedded_path.hpp"
+#include "stylet/scene/scene.hpp"
+#include "stylet/simulation/conditions.hpp"
+#include "stylet/simulation/needle_path.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace stylet {
+
+/// What find_path finds in the plane. Throws InputError, with the needle's keys, for a line that misses the
+/// tissue, or begins inside it.
+[[nodiscard]] NeedlePath find_way(const Scene& scene,
+                                  const Mesh& mesh,
+                                  const NeedleParameters& needle);
+
+/// The triangles of the scene's membrane; none without one. Throws InputError where they leave gaps.
+[[nodiscard]] std::vector<SurfaceTriangle> membrane_surface(const Scene& scene, const Mesh& mesh);
+
+/// The path of a needle that stands at the skin. Throws InputError where its kernel lies outside the tissue.
+[[nodiscard]] std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
+                                                      const Mesh& mesh,
+                                                      const NeedleParameters& needle,
+                                                      NeedleTissue tissue);
+
+/// Throws InputError for needles that leave the tissue, whose kernel reaches what is held or another side of
+/// the tissue, and for all that make_path refuses.
+void check_ways(const Scene& scene, const Mesh& mesh, const Conditions& conditions);
+
+}  // namespace stylet

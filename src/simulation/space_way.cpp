@@ -1,0 +1,278 @@
+#include "stylet/simulation/space_way.hpp"
+
+#include "stylet/base/errors.hpp"
+#include "stylet/base/text.hpp"
+#include "stylet/mesh/embedded_point.hpp"
+#include "stylet/mesh/line_through.hpp"
+#include "stylet/needle/stops.hpp"
+#include "stylet/scene/check.hpp"
+#include "stylet/simulation/point_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace stylet {
+
+namespace {
+
+struct Line {
+  ReferencePlace start;
+  Vector3 direction;
+};
+
+Line line_of(const NeedleParameters& needle) {
+  const SpaceParameters& space = needle.space;
+  const ReferencePlace start = space.entry->place();
+  const Vector3 way = space.target ? space.target->place() - start : space.direction->vector();
+  return {start, 1 / norm(way) * way};
+}
+
+std::string key_of(const Scene& scene, const NeedleParameters& needle) {
+  const auto same = std::ranges::find(scene.needles, needle.name, &NeedleParameters::name);
+  return "needles." + std::to_string(same - scene.needles.begin());
+}
+
+[[noreturn]] void refuse_needle(const Scene& scene,
+                                const NeedleParameters& needle,
+                                const std::string& key,
+                                const std::string& why) {
+  refuse_key(scene, key_of(scene, needle) + "." + key, "needle '" + needle.name + "' " + why);
+}
+
+double distance_to(ReferencePlace x, const NeedlePath& path, double& depth) {
+  depth = std::clamp(dot(x - path.skin_point, path.direction), 0.0, path.deepest);
+  return distance(x, path.skin_point + depth * path.direction);
+}
+
+/// A side of the tissue (a face of one cell).
+struct Side {
+  std::array<int, 3> nodes;
+};
+
+std::vector<Side> sides_near(const Mesh& mesh, ReferencePlace x, double radius) {
+  std::set<int> cells;
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    if (distance(mesh.place(node), x) > radius) continue;
+    cells.insert(mesh.cells_around(node).begin(), mesh.cells_around(node).end());
+  }
+  if (const auto at = locate(mesh, x)) cells.insert(at->cell);
+  std::vector<Side> sides;
+  for (const int c : cells) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (mesh.beyond(c, k)) continue;
+      const auto n = mesh.cell(c);
+      sides.push_back({{n[(k + 1) % 4], n[(k + 2) % 4], n[(k + 3) % 4]}});
+    }
+  }
+  return sides;
+}
+
+// Mindlin's image is that of a plane, and right for needles up to 40 degrees from its normal.
+bool is_below_plane_skin(const Mesh& mesh, const NeedlePath& path, double radius) {
+  constexpr double flat = 0.02;  // of the radius
+  constexpr double least_cosine = 0.76;
+  const auto sides = sides_near(mesh, path.skin_point, radius);
+  const auto corner = [&](const Side& side, std::size_t k) { return mesh.place(side.nodes[k]); };
+  Vector3 normal;
+  double nearest = radius;
+  for (const Side& side : sides) {
+    const Vector3 n = cross(corner(side, 1) - corner(side, 0), corner(side, 2) - corner(side, 0));
+    const ReferencePlace centre =
+        corner(side, 0) +
+        1.0 / 3 * ((corner(side, 1) - corner(side, 0)) + (corner(side, 2) - corner(side, 0)));
+    const double away = distance(centre, path.skin_point);
+    const double off = std::abs(dot(path.skin_point - centre, n)) / norm(n);
+    if (off > flat * radius || away >= nearest) continue;
+    nearest = away;
+    normal = 1 / norm(n) * n;
+  }
+  if (std::abs(dot(normal, path.direction)) < least_cosine) return false;
+  return std::ranges::all_of(sides, [&](const Side& side) {
+    bool reached = false;
+    bool in_plane = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3 from = corner(side, k) - path.skin_point;
+      reached = reached || norm(from) < radius;
+      in_plane = in_plane && std::abs(dot(from, normal)) < flat * radius;
+    }
+    return in_plane || !reached;
+  });
+}
+
+void check_what_is_held(const Scene& scene,
+                        const Mesh& mesh,
+                        const Conditions& conditions,
+                        const NeedleParameters& needle,
+                        const NeedlePath& path) {
+  for (const PrescribedDof& held : conditions.prescribed(0)) {
+    const ReferencePlace x = mesh.place(held.dof / 3);
+    double depth = 0;
+    const double away = distance_to(x, path, depth);
+    if (away >= needle.space.kernel_radius) continue;
+    refuse_needle(
+        scene, needle, "kernel_radius",
+        "passes a held point, " + point_text(scene, x) + ", at " + brief(1e3 * away) + " mm, " +
+            brief(1e3 * depth) +
+            " mm behind its entry point; allowed: a way that is farther from what is held "
+            "than kernel_radius");
+  }
+}
+
+// The near field is that of a wide body, but for the skin around the entry.
+void check_sides(const Scene& scene,
+                 const Mesh& mesh,
+                 const NeedleParameters& needle,
+                 const NeedlePath& path) {
+  const double radius = needle.space.kernel_radius;
+  for (int node = 0; node < mesh.n_nodes(); ++node) {
+    if (!mesh.on_boundary(node)) continue;
+    double depth = 0;
+    const double away = distance_to(mesh.place(node), path, depth);
+    if (away >= radius || depth < 2 * radius) continue;
+    refuse_needle(scene, needle, "kernel_radius",
+                  "comes within " + brief(1e3 * away) + " mm of the tissue's surface, at " +
+                      point_text(scene, mesh.place(node)) + ", " + brief(1e3 * depth) +
+                      " mm behind its entry point; allowed: a kernel_radius that the tissue around "
+                      "the needle is wider than");
+  }
+}
+
+}  // namespace
+
+NeedlePath find_way(const Scene& scene, const Mesh& mesh, const NeedleParameters& needle) {
+  const Line line = line_of(needle);
+  constexpr double on_skin = 1e-6;  // m
+  if (locate(mesh, line.start + -on_skin * line.direction)) {
+    refuse_needle(scene, needle, "entry",
+                  "begins inside the tissue, at " + point_text(scene, line.start) +
+                      "; allowed: a point on the skin, or in front of it");
+  }
+  const auto stretch = first_stretch(mesh, line.start, line.direction);
+  if (!stretch) {
+    refuse_needle(scene, needle, needle.space.target ? "target" : "direction",
+                  "misses the tissue; allowed: a line from entry that leads through it");
+  }
+  NeedlePath path;
+  path.skin_point = line.start + stretch->from * line.direction;
+  path.direction = line.direction;
+  path.end = stretch->to - stretch->from;
+  for (const Travel& travel : travels_of(needle.motion, 1)) {
+    path.deepest = std::max(path.deepest, along_of(travel.to, 0));
+  }
+  // Regions are told to a fifth of a millimetre.
+  constexpr double pace = 0.2e-3;
+  const double to = std::min(path.deepest, path.end);
+  const int n = std::max(1, static_cast<int>(std::ceil(to / pace)));
+  int cell = stretch->cell;
+  for (int i = 0; i < n; ++i) {
+    const auto found = locate(mesh, path.skin_point + ((i + 0.5) / n * to) * path.direction, cell);
+    if (!found) continue;
+    cell = found->cell;
+    const auto& region = mesh.data().region_names[static_cast<std::size_t>(mesh.region(cell))];
+    if (path.pieces.empty() || path.pieces.back().region != region) {
+      path.pieces.push_back({region, i * to / n, 0});
+    }
+    path.pieces.back().to = (i + 1) * to / n;
+  }
+  return path;
+}
+
+std::vector<SurfaceTriangle> membrane_surface(const Scene& scene, const Mesh& mesh) {
+  std::vector<SurfaceTriangle> surface;
+  if (!scene.membrane) return surface;
+  std::map<std::array<int, 2>, int> edges;
+  const auto add = [&](std::array<int, 3> nodes) {
+    surface.push_back({mesh.place(nodes[0]), mesh.place(nodes[1]), mesh.place(nodes[2])});
+    std::ranges::sort(nodes);
+    ++edges[{nodes[0], nodes[1]}];
+    ++edges[{nodes[0], nodes[2]}];
+    ++edges[{nodes[1], nodes[2]}];
+  };
+  const MembraneParameters& membrane = *scene.membrane;
+  if (!membrane.surface.empty()) {
+    for (const int f : mesh.facets_of(membrane.surface)) {
+      const auto n = mesh.facet(f);
+      add({n[0], n[1], n[2]});
+    }
+  } else {
+    const int region = mesh.region_index(membrane.region);
+    for (int c = 0; c < mesh.n_cells(); ++c) {
+      if (mesh.region(c) != region) continue;
+      const auto n = mesh.cell(c);
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto other = mesh.beyond(c, k);
+        if (other && mesh.region(*other) == region) continue;
+        add({n[(k + 1) % 4], n[(k + 2) % 4], n[(k + 3) % 4]});
+      }
+    }
+  }
+  const auto is_open = [](const auto& edge) { return edge.second % 2 != 0; };
+  if (const auto open = std::ranges::count_if(edges, is_open); open > 0) {
+    const auto first = std::ranges::find_if(edges, is_open)->first;
+    refuse_key(scene, membrane.surface.empty() ? "membrane.region" : "membrane.surface",
+               "the surface is not closed: " + std::to_string(open) +
+                   " of its edges end it, one of them at " +
+                   point_text(scene, mesh.place(first[0])) + "; allowed: a closed surface");
+  }
+  return surface;
+}
+
+std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
+                                        const Mesh& mesh,
+                                        const NeedleParameters& needle,
+                                        NeedleTissue tissue) {
+  const NeedlePath path = find_way(scene, mesh, needle);
+  const double radius = needle.diameter / 2;
+  const TrackLayout layout{
+      .radius = radius,
+      .kernel_radius = needle.space.kernel_radius,
+      .segment = needle.space.segment,
+      .below_skin = is_below_plane_skin(mesh, path, needle.space.kernel_radius)};
+  std::vector<RegionModuli> moduli(mesh.data().region_names.size());
+  for (const auto& [region, material] : scene.tissue.regions) {
+    const double nu = material.poisson_ratio;
+    moduli[static_cast<std::size_t>(mesh.region_index(region))] = {
+        material.youngs_modulus / (2 * (1 + nu)), nu};
+  }
+  // The tip never cuts deeper than the needle goes, but for what tissue swings.
+  const double depth = path.deepest + needle.cutting.tip_length;
+  tissue.membrane_surface = membrane_surface(scene, mesh);
+  try {
+    return std::make_unique<EmbeddedPath>(
+        mesh, EmbeddedTrack(mesh, path.skin_point, path.direction, depth, layout, moduli),
+        needle.cutting.tip_length, radius, searches(needle.cutting), std::move(tissue));
+  } catch (const InputError& error) {
+    refuse_needle(scene, needle, "kernel_radius", error.what());
+  }
+}
+
+void check_ways(const Scene& scene, const Mesh& mesh, const Conditions& conditions) {
+  static_cast<void>(membrane_surface(scene, mesh));
+  for (std::size_t i = 0; i < scene.needles.size(); ++i) {
+    const NeedleParameters& needle = scene.needles[i];
+    const NeedlePath path = find_way(scene, mesh, needle);
+    if (const auto fault = find_fault(needle.motion, 1, 0, true)) {
+      refuse_needle(scene, needle, "motion." + std::to_string(fault->action),
+                    "enters at " + point_text(scene, path.skin_point) + ": " + fault->reason);
+    }
+    if (path.deepest >= path.end) {
+      refuse_needle(scene, needle, "motion",
+                    "goes " + brief(path.deepest) + " m deep, and its way leaves the tissue " +
+                        brief(path.end) +
+                        " m behind the entry point; allowed: a way inside the "
+                        "tissue");
+    }
+    if (needle.cutting.tip_length > path.end) {
+      refuse_needle(scene, needle, "cutting.tip_length",
+                    "has a tip that is longer than its way through the tissue, " + brief(path.end) +
+                        " m; allowed: a tip that can be in with all of its length");
+    }
+    check_what_is_held(scene, mesh, conditions, needle, path);
+    check_sides(scene, mesh, needle, path);
+    static_cast<void>(make_path(scene, mesh, needle, {}));
+  }
+}
+
+}  // namespace stylet
