@@ -194,6 +194,7 @@ void Needle::archive(Archive& archive) {
   archive("pending", pending_);
   archive("last_tip_force", last_tip_force_);
   archive("punctures", punctures_);
+  archive("n_points", n_points_);
   archive("puncture_at", puncture_at_);
   archive("deepest_since", deepest_since_);
 }

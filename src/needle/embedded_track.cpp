@@ -94,6 +94,11 @@ CellGrid grid_around(
 
 }  // namespace
 
+std::pair<Vector3, Vector3> across_of(Vector3 direction) {
+  const auto axes = axes_of(direction);
+  return {axes[1], axes[2]};
+}
+
 EmbeddedTrack::EmbeddedTrack(const Mesh& mesh,
                              ReferencePlace start,
                              Vector3 direction,

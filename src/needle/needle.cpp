@@ -334,6 +334,18 @@ std::vector<PointForce> Needle::tip_forces(const Multiplier& lambda) const {
   return forces;
 }
 
+// A straight way through the tissue as it was is right as long as nothing ahead of the tip moves aside.
+double Needle::taken_aside(const TrackStart& start) {
+  const std::size_t before = std::exchange(n_points_, path_->track().size());
+  if (path_->n_components() < 3) return 0;
+  double aside = 0;
+  for (std::size_t i = before; i < n_points_; ++i) {
+    const TrackVector& u = start.at(static_cast<int>(i));
+    aside = std::max(aside, std::hypot(u.across, u.across_too));
+  }
+  return aside;
+}
+
 NeedleStepReport Needle::commit(const TrackStart& start,
                                 const TrackTrial& trial,
                                 Multiplier lambda,
@@ -347,6 +359,7 @@ NeedleStepReport Needle::commit(const TrackStart& start,
   if (tip_ == TipContact::cut && parameters_.cutting.law == CuttingLaw::lagged) {
     pending_ = std::max(0.0, place_gap(trial));
   }
+  report.aside = taken_aside(start);
   std::vector<PointForce> forces = tip_forces(lambda);
   report.contact_changes = contacts_.changes();
   if (parameters_.friction) {

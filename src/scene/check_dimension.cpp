@@ -72,6 +72,9 @@ class DimensionRules {
             "at least " + ten_digits(least) + " m, 1.3 times the needle's radius");
     require(needle.cutting.tip_length > 0, path + ".cutting.tip_length",
             "> 0 m in space, where a point has no answer that a finer mesh would keep");
+    require(space.segment <= needle.cutting.tip_length / 3, path + ".segment",
+            "at most a third of cutting.tip_length, which is " + exact(needle.cutting.tip_length) +
+                " m");
     for (std::size_t k = 0; k < needle.motion.size(); ++k) {
       const Action& action = needle.motion[k];
       const bool inserts = action.kind == ActionKind::insert;

@@ -55,6 +55,12 @@ const std::vector<SummaryQuantity>& of_a_seed() {
   return quantities;
 }
 
+/// Beside them, of scenes in space.
+const std::vector<SummaryQuantity>& of_a_seed_in_space() {
+  static const std::vector<SummaryQuantity> quantities = {{"reference.2", "m"}, {"world.2", "m"}};
+  return quantities;
+}
+
 const std::vector<SummaryQuantity>& of_a_target() {
   static const std::vector<SummaryQuantity> quantities = {
       {"target_point.0", "m"}, {"target_point.1", "m"}, {"placement_error", "m"}};
@@ -110,7 +116,9 @@ std::vector<SummaryQuantity> summary_quantities(const Scene& scene) {
       if (action.kind != ActionKind::implant) continue;
       const std::string seed = "seeds." + std::to_string(n_seeds++) + ".";
       add(seed, of_a_seed());
+      if (in_space) add(seed, of_a_seed_in_space());
       if (!action.target.empty()) add(seed, of_a_target());
+      if (in_space && !action.target.empty()) add(seed, {{"target_point.2", "m"}});
     }
   }
   for (const Probe& probe : scene.probes) {
@@ -132,6 +140,8 @@ std::optional<std::string> unit_of_quantity(const std::string& path) {
   if (const auto unit = unit_in(of_needles(), path)) return unit;
   const std::string seed = of_seed(path);
   if (const auto unit = unit_in(of_a_seed(), seed)) return unit;
+  if (const auto unit = unit_in(of_a_seed_in_space(), seed)) return unit;
+  if (seed == "target_point.2") return "m";
   return unit_in(of_a_target(), seed);
 }
 

@@ -75,7 +75,7 @@ static void archive(Archive& archive, Pushing& pushing) {
 
 static void archive(Archive& archive, RunCounts& counts) {
   auto& [steps, sub_steps, passes, iterations, edge_flips, pattern_rebuilds, worst_quality,
-         stable_step, peak_needle_force, tip_excess, needle] = counts;
+         stable_step, peak_needle_force, tip_excess, largest_aside, needle] = counts;
   archive("steps", steps);
   archive("sub_steps", sub_steps);
   archive("passes", passes);
@@ -86,6 +86,7 @@ static void archive(Archive& archive, RunCounts& counts) {
   archive("stable_step", stable_step);
   archive("peak_needle_force", peak_needle_force);
   archive("tip_excess", tip_excess);
+  archive("largest_aside", largest_aside);
   archive("needle", needle);
 }
 

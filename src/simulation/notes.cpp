@@ -2,6 +2,7 @@
 
 #include "stylet/petsc/check.hpp"
 #include "stylet/simulation/point_text.hpp"
+#include "stylet/simulation/space_way.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -221,6 +222,57 @@ void note_membranes(const Simulation& simulation, std::vector<std::string>& note
   }
 }
 
+const NeedleParameters* needle_of(const Scene& scene, const Seed& seed) {
+  const auto found = std::ranges::find(scene.needles, seed.needle, &NeedleParameters::name);
+  return found == scene.needles.end() ? nullptr : &*found;
+}
+
+// On the first meshes of a needle in a cylinder: 4 % of the tip's displacement where elements are as large as
+// the kernel, 1 % where they are half as large.
+void note_mesh_in_space(const Simulation& simulation,
+                        const Seed& seed,
+                        std::vector<std::string>& notes) {
+  constexpr double as_kernel = 0.04;
+  constexpr double worth_a_word = 0.1e-3;  // m
+  const NeedleParameters* needle = needle_of(simulation.scene(), seed);
+  if (needle == nullptr) return;
+  const double ratio = seed.tip.element / needle->space.kernel_radius;
+  const double error = as_kernel * ratio * ratio * norm(seed.displacement);
+  if (error < worth_a_word) return;
+  notes.push_back("mesh: when " + seed_text(seed) + ", elements at the tip were " +
+                  brief(1e3 * seed.tip.element) + " mm for a kernel_radius of " +
+                  brief(1e3 * needle->space.kernel_radius) +
+                  " mm, which leaves an error of about " + rough(1e3 * error) +
+                  " mm; mesh.refine takes three quarters of it");
+}
+
+// What the near field in closed form does not know of.
+void note_ways(const Simulation& simulation, std::vector<std::string>& notes) {
+  const Scene& scene = simulation.scene();
+  if (scene.dim() == 2) return;
+  constexpr double worth_a_word = 0.02;
+  for (const NeedleParameters& needle : scene.needles) {
+    const NeedlePath path = find_way(scene, simulation.mesh(), needle);
+    if (!has_plane_skin(simulation.mesh(), needle, path)) {
+      notes.push_back("the skin within kernel_radius of the entry of needle '" + needle.name +
+                      "' is no plane, or the needle is more than 40 degrees from its normal: what "
+                      "sticks there is up to 7 % too stiff; a smaller kernel_radius tells");
+    }
+    const double other = share_in_other_tissue(scene, simulation.mesh(), needle, path);
+    if (other > worth_a_word) {
+      notes.push_back("around needle '" + needle.name + "' " + rough(100 * other) +
+                      " % of its kernel's edge lies in stiffer or softer tissue than the needle, "
+                      "which moves seeds by up to 9 % of their displacement where it runs along; a "
+                      "smaller kernel_radius tells");
+    }
+  }
+  constexpr double far_aside = 0.1e-3;  // m
+  if (const double aside = simulation.counts().largest_aside; aside > far_aside) {
+    notes.push_back("tissue ahead of a tip had moved aside by up to " + rough(1e3 * aside) +
+                    " mm, where the needle cuts straight on: seeds are off by as much at most");
+  }
+}
+
 void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
   const Scene& scene = simulation.scene();
   constexpr double worth_a_word = 0.1e-3;  // m
@@ -248,6 +300,10 @@ void note_cuts(const Simulation& simulation, std::vector<std::string>& notes) {
     const int region = simulation.mesh().region(simulation.place_of(seed).cell);
     const auto& name = simulation.mesh().data().region_names[static_cast<std::size_t>(region)];
     const auto tissue = std::ranges::find(scene.tissue.regions, name, &RegionTissue::region);
+    if (scene.dim() == 3) {
+      note_mesh_in_space(simulation, seed, notes);
+      continue;
+    }
     const double error =
         kelvin(scene, tissue->material) * seed.tip.needed * seed.tip.element / cutting.tip_length;
     if (error < coarse) continue;
@@ -293,6 +349,7 @@ std::vector<std::string> notes_of(const Simulation& simulation) {
   note_excess(simulation, notes);
   note_membranes(simulation, notes);
   note_held_corners(simulation, notes);
+  note_ways(simulation, notes);
   return notes;
 }
 

@@ -168,6 +168,7 @@ void Simulation::count(const SubStep& step) {
     const NeedleCounts before = counts_.needle;
     counts_.needle = earlier_needles_ + needle_->counts();
     count_forces(step.needle.forces, counts_.needle.punctures > before.punctures);
+    counts_.largest_aside = std::max(counts_.largest_aside, step.needle.aside);
     watch_tip();
   }
   const MeshRewrites& rewrites = body_.rewrites();
@@ -275,8 +276,7 @@ NeedleTissue Simulation::met_in_tissue() {
   if (needle_) {
     earlier_needles_ = counts_.needle;
     tissue.earlier = needle_->leave();
-    body_.put_mesh_back();
-    body_.leave_track();
+    scene_.dim() == 2 ? body_.put_mesh_back() : body_.leave_track();
   }
   if (scene_.membrane) {
     tissue.membrane = scene_.membrane->polygon;

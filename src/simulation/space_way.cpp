@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace stylet {
@@ -120,6 +121,21 @@ void check_what_is_held(const Scene& scene,
   }
 }
 
+// A tip that is not in would push with all of its force on a point.
+void check_membrane(const Scene& scene,
+                    const Mesh& mesh,
+                    const NeedleParameters& needle,
+                    const NeedlePath& path) {
+  const double least = needle.cutting.tip_length / 3;
+  const auto met = surface_crossings(membrane_surface(scene, mesh), path.skin_point, path.direction,
+                                     path.deepest);
+  if (met.empty() || met.front() >= least) return;
+  refuse_key(scene, "membrane",
+             "needle '" + needle.name + "' meets it " + brief(1e3 * met.front()) +
+                 " mm behind its entry point; allowed: deeper than a third of its tip_length, " +
+                 brief(1e3 * least) + " mm");
+}
+
 // The near field is that of a wide body, but for the skin around the entry.
 void check_sides(const Scene& scene,
                  const Mesh& mesh,
@@ -219,6 +235,47 @@ std::vector<SurfaceTriangle> membrane_surface(const Scene& scene, const Mesh& me
   return surface;
 }
 
+bool has_plane_skin(const Mesh& mesh, const NeedleParameters& needle, const NeedlePath& path) {
+  return is_below_plane_skin(mesh, path, needle.space.kernel_radius);
+}
+
+double share_in_other_tissue(const Scene& scene,
+                             const Mesh& mesh,
+                             const NeedleParameters& needle,
+                             const NeedlePath& path) {
+  constexpr double alike = 1.1;  // moduli
+  constexpr int around = 12;
+  const double radius = needle.space.kernel_radius;
+  std::vector<double> modulus(mesh.data().region_names.size());
+  for (const auto& [region, material] : scene.tissue.regions) {
+    modulus[static_cast<std::size_t>(mesh.region_index(region))] = material.youngs_modulus;
+  }
+  const auto modulus_at = [&](ReferencePlace x, int& cell) -> std::optional<double> {
+    const auto found = locate(mesh, x, cell);
+    if (!found) return std::nullopt;
+    cell = found->cell;
+    return modulus[static_cast<std::size_t>(mesh.region(cell))];
+  };
+  const auto [across, across_too] = across_of(path.direction);
+  int cell = 0;
+  int n = 0;
+  int n_other = 0;
+  for (double depth = radius / 8; depth < path.deepest; depth += radius / 4) {
+    const ReferencePlace centre = path.skin_point + depth * path.direction;
+    const auto own = modulus_at(centre, cell);
+    if (!own) continue;
+    for (int k = 0; k < around; ++k) {
+      const double angle = 2 * std::numbers::pi * k / around;
+      const auto other = modulus_at(
+          centre + radius * std::cos(angle) * across + radius * std::sin(angle) * across_too, cell);
+      if (!other) continue;
+      ++n;
+      n_other += std::max(*other / *own, *own / *other) > alike ? 1 : 0;
+    }
+  }
+  return n == 0 ? 0 : static_cast<double>(n_other) / n;
+}
+
 std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
                                         const Mesh& mesh,
                                         const NeedleParameters& needle,
@@ -269,6 +326,13 @@ void check_ways(const Scene& scene, const Mesh& mesh, const Conditions& conditio
                     "has a tip that is longer than its way through the tissue, " + brief(path.end) +
                         " m; allowed: a tip that can be in with all of its length");
     }
+    constexpr double most_segments = 1000;  // dense matrices have three rows for each
+    if (path.deepest > most_segments * needle.space.segment) {
+      refuse_needle(scene, needle, "segment",
+                    "goes " + brief(path.deepest) + " m deep; allowed: segments of at least " +
+                        brief(path.deepest / most_segments) + " m");
+    }
+    check_membrane(scene, mesh, needle, path);
     check_what_is_held(scene, mesh, conditions, needle, path);
     check_sides(scene, mesh, needle, path);
     static_cast<void>(make_path(scene, mesh, needle, {}));

@@ -48,6 +48,7 @@ class EmbeddedPath final : public ReferencePath {
   [[nodiscard]] SparseRow row(TrackPlace place) const override { return way_.row(place); }
   [[nodiscard]] double rest(TrackPlace a, TrackPlace b) const override { return way_.rest(a, b); }
   [[nodiscard]] int n_components() const override { return 3; }
+  [[nodiscard]] int n_points() const override { return way_.size(); }
 
   void uncover(double to,
                const TrackTrial& trial,

@@ -12,6 +12,7 @@
 #include "stylet/solvers/track_operator.hpp"
 
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace stylet {
@@ -31,6 +32,9 @@ struct TrackLayout {
   /// that the image of a normal one is right to 0.2 % of a stuck needle's force.
   bool below_skin = false;
 };
+
+/// Two unit vectors across a direction, and each other.
+[[nodiscard]] std::pair<Vector3, Vector3> across_of(Vector3 direction);
 
 class EmbeddedTrack final : public TrackOperator {
  public:
@@ -65,6 +69,7 @@ class EmbeddedTrack final : public TrackOperator {
   [[nodiscard]] SparseRow row(TrackPlace place) const override;
   [[nodiscard]] double rest(TrackPlace a, TrackPlace b) const override;
   [[nodiscard]] int n_components() const override { return 3; }
+  [[nodiscard]] int n_points() const override { return size(); }
 
   /// Of a load that is even between two depths (m, on the track): how its segments share it.
   [[nodiscard]] std::vector<PointShare> shares(double from, double to) const;

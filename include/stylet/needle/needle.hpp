@@ -45,6 +45,8 @@ struct NeedleStepReport {
   int n_stick = 0;
   int n_slip = 0;
   int contact_changes = 0;
+  double aside =
+      0;  ///< in space: how far tissue that the needle now takes hold of was off its axis (m)
 };
 
 /// How the tip stands where a seed is left.
@@ -156,6 +158,7 @@ class Needle {
   [[noreturn]] void throw_no_solution() const;
   void check_tip(const TrackTrial& trial, double lambda) const;
   std::vector<PointForce> tip_forces(const Multiplier& lambda) const;
+  double taken_aside(const TrackStart& start);
 
   NeedleParameters parameters_;
   bool velocity_level_;
@@ -172,6 +175,7 @@ class Needle {
   double pending_ = 0;                  ///< advance left for the next step (lagged, m)
   double last_tip_force_ = 0;           ///< N
   long long punctures_ = 0;             ///< until the last step
+  std::size_t n_points_ = 0;            ///< of the path, then
   std::optional<double> puncture_at_;   ///< place of the needle's tip after the last one (m)
   double deepest_since_ = 0;            ///< place of the tip since then (m)
 };

@@ -38,6 +38,7 @@ struct RunCounts {
   double stable_step = 0;        ///< s; the smallest of the run; explicit only
   double peak_needle_force = 0;  ///< N
   double tip_excess = 0;  ///< most that a tip of the increment law bore above what it cuts at (N)
+  double largest_aside = 0;  ///< of NeedleStepReport (m)
   NeedleCounts needle;
 };
 

@@ -21,6 +21,18 @@ namespace stylet {
 /// The triangles of the scene's membrane; none without one. Throws InputError where they leave gaps.
 [[nodiscard]] std::vector<SurfaceTriangle> membrane_surface(const Scene& scene, const Mesh& mesh);
 
+/// The skin around the entry is a plane as far as the kernel reaches, and the needle no more than 40 degrees
+/// from its normal: else the near field does not know the skin.
+[[nodiscard]] bool has_plane_skin(const Mesh& mesh,
+                                  const NeedleParameters& needle,
+                                  const NeedlePath& path);
+
+/// Of the kernel's edge along the way, that lies in tissue of another modulus than the needle there.
+[[nodiscard]] double share_in_other_tissue(const Scene& scene,
+                                           const Mesh& mesh,
+                                           const NeedleParameters& needle,
+                                           const NeedlePath& path);
+
 /// The path of a needle that stands at the skin. Throws InputError where its kernel lies outside the tissue.
 [[nodiscard]] std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
                                                       const Mesh& mesh,

@@ -38,6 +38,8 @@ class TrackOperator {
 
   /// Directions that there are.
   [[nodiscard]] virtual int n_components() const { return 2; }
+  /// Of points that rows may be asked of; none: those that are nodes of a mesh.
+  [[nodiscard]] virtual int n_points() const { return 0; }
   /// Row of B.
   [[nodiscard]] virtual SparseRow row(TrackPlace place) const = 0;
   /// The one entry of such a row; none if it has more. Asked for in every trial.
