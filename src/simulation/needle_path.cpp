@@ -245,7 +245,7 @@ bool skin_is_at_rest(const Scene& scene, std::size_t needle) {
 
 void check_needles(const Scene& scene, const Mesh& mesh, const Conditions& conditions) {
   if (mesh.dim() == 3) {
-    check_ways(scene, mesh, conditions);
+    check_ways(scene, mesh);
     return;
   }
   for (std::size_t i = 0; i < scene.needles.size(); ++i) {

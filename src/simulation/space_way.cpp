@@ -30,23 +30,6 @@ Line line_of(const NeedleParameters& needle) {
   return {start, 1 / norm(way) * way};
 }
 
-std::string key_of(const Scene& scene, const NeedleParameters& needle) {
-  const auto same = std::ranges::find(scene.needles, needle.name, &NeedleParameters::name);
-  return "needles." + std::to_string(same - scene.needles.begin());
-}
-
-[[noreturn]] void refuse_needle(const Scene& scene,
-                                const NeedleParameters& needle,
-                                const std::string& key,
-                                const std::string& why) {
-  refuse_key(scene, key_of(scene, needle) + "." + key, "needle '" + needle.name + "' " + why);
-}
-
-double distance_to(ReferencePlace x, const NeedlePath& path, double& depth) {
-  depth = std::clamp(dot(x - path.skin_point, path.direction), 0.0, path.deepest);
-  return distance(x, path.skin_point + depth * path.direction);
-}
-
 /// A side of the tissue (a face of one cell).
 struct Side {
   std::array<int, 3> nodes;
@@ -102,60 +85,16 @@ bool is_below_plane_skin(const Mesh& mesh, const NeedlePath& path, double radius
   });
 }
 
-void check_what_is_held(const Scene& scene,
-                        const Mesh& mesh,
-                        const Conditions& conditions,
-                        const NeedleParameters& needle,
-                        const NeedlePath& path) {
-  for (const PrescribedDof& held : conditions.prescribed(0)) {
-    const ReferencePlace x = mesh.place(held.dof / 3);
-    double depth = 0;
-    const double away = distance_to(x, path, depth);
-    if (away >= needle.space.kernel_radius) continue;
-    refuse_needle(
-        scene, needle, "kernel_radius",
-        "passes a held point, " + point_text(scene, x) + ", at " + brief(1e3 * away) + " mm, " +
-            brief(1e3 * depth) +
-            " mm behind its entry point; allowed: a way that is farther from what is held "
-            "than kernel_radius");
-  }
-}
-
-// A tip that is not in would push with all of its force on a point.
-void check_membrane(const Scene& scene,
-                    const Mesh& mesh,
-                    const NeedleParameters& needle,
-                    const NeedlePath& path) {
-  const double least = needle.cutting.tip_length / 3;
-  const auto met = surface_crossings(membrane_surface(scene, mesh), path.skin_point, path.direction,
-                                     path.deepest);
-  if (met.empty() || met.front() >= least) return;
-  refuse_key(scene, "membrane",
-             "needle '" + needle.name + "' meets it " + brief(1e3 * met.front()) +
-                 " mm behind its entry point; allowed: deeper than a third of its tip_length, " +
-                 brief(1e3 * least) + " mm");
-}
-
-// The near field is that of a wide body, but for the skin around the entry.
-void check_sides(const Scene& scene,
-                 const Mesh& mesh,
-                 const NeedleParameters& needle,
-                 const NeedlePath& path) {
-  const double radius = needle.space.kernel_radius;
-  for (int node = 0; node < mesh.n_nodes(); ++node) {
-    if (!mesh.on_boundary(node)) continue;
-    double depth = 0;
-    const double away = distance_to(mesh.place(node), path, depth);
-    if (away >= radius || depth < 2 * radius) continue;
-    refuse_needle(scene, needle, "kernel_radius",
-                  "comes within " + brief(1e3 * away) + " mm of the tissue's surface, at " +
-                      point_text(scene, mesh.place(node)) + ", " + brief(1e3 * depth) +
-                      " mm behind its entry point; allowed: a kernel_radius that the tissue around "
-                      "the needle is wider than");
-  }
-}
-
 }  // namespace
+
+void refuse_needle(const Scene& scene,
+                   const NeedleParameters& needle,
+                   const std::string& key,
+                   const std::string& why) {
+  const auto same = std::ranges::find(scene.needles, needle.name, &NeedleParameters::name);
+  const auto index = std::to_string(same - scene.needles.begin());
+  refuse_key(scene, "needles." + index + "." + key, "needle '" + needle.name + "' " + why);
+}
 
 NeedlePath find_way(const Scene& scene, const Mesh& mesh, const NeedleParameters& needle) {
   const Line line = line_of(needle);
@@ -302,40 +241,6 @@ std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
         needle.cutting.tip_length, radius, searches(needle.cutting), std::move(tissue));
   } catch (const InputError& error) {
     refuse_needle(scene, needle, "kernel_radius", error.what());
-  }
-}
-
-void check_ways(const Scene& scene, const Mesh& mesh, const Conditions& conditions) {
-  static_cast<void>(membrane_surface(scene, mesh));
-  for (std::size_t i = 0; i < scene.needles.size(); ++i) {
-    const NeedleParameters& needle = scene.needles[i];
-    const NeedlePath path = find_way(scene, mesh, needle);
-    if (const auto fault = find_fault(needle.motion, 1, 0, true)) {
-      refuse_needle(scene, needle, "motion." + std::to_string(fault->action),
-                    "enters at " + point_text(scene, path.skin_point) + ": " + fault->reason);
-    }
-    if (path.deepest >= path.end) {
-      refuse_needle(scene, needle, "motion",
-                    "goes " + brief(path.deepest) + " m deep, and its way leaves the tissue " +
-                        brief(path.end) +
-                        " m behind the entry point; allowed: a way inside the "
-                        "tissue");
-    }
-    if (needle.cutting.tip_length > path.end) {
-      refuse_needle(scene, needle, "cutting.tip_length",
-                    "has a tip that is longer than its way through the tissue, " + brief(path.end) +
-                        " m; allowed: a tip that can be in with all of its length");
-    }
-    constexpr double most_segments = 1000;  // dense matrices have three rows for each
-    if (path.deepest > most_segments * needle.space.segment) {
-      refuse_needle(scene, needle, "segment",
-                    "goes " + brief(path.deepest) + " m deep; allowed: segments of at least " +
-                        brief(path.deepest / most_segments) + " m");
-    }
-    check_membrane(scene, mesh, needle, path);
-    check_what_is_held(scene, mesh, conditions, needle, path);
-    check_sides(scene, mesh, needle, path);
-    static_cast<void>(make_path(scene, mesh, needle, {}));
   }
 }
 

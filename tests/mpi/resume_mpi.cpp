@@ -6,6 +6,7 @@
 #include "stylet/simulation/procedure_log.hpp"
 #include "stylet/simulation/recorded.hpp"
 
+#include "support/needles_in_space.hpp"
 #include "support/scenes.hpp"
 #include <gtest/gtest.h>
 
@@ -193,6 +194,17 @@ TEST(ResumeInSpace, GoesOnWithTheSameBits) {
     const int steps = interrupt_every_step(
         [&] { return std::make_unique<Simulation>(MPI_COMM_WORLD, scene, true); });
     EXPECT_GE(steps, 5) << time;
+  }
+}
+
+TEST(ResumeInSpace, NeedlesGoOnWithTheSameBits) {
+  for (const std::string time : {"{method: implicit, step: 5 ms}",
+                                 "{method: implicit, scheme: average_acceleration, step: 5 ms}",
+                                 "{method: quasi_static, step: 5 ms}"}) {
+    const Scene scene = scene_of(needles_in_space, {"time=" + time});
+    const int steps = interrupt_every_step(
+        [&] { return std::make_unique<Simulation>(MPI_COMM_WORLD, scene, true); });
+    EXPECT_GT(steps, 60) << time;
   }
 }
 

@@ -5,6 +5,7 @@
 #include "stylet/petsc/session.hpp"
 #include "stylet/simulation/model.hpp"
 
+#include "support/needles_in_space.hpp"
 #include "support/scenes.hpp"
 #include <gtest/gtest.h>
 
@@ -71,6 +72,32 @@ TEST(SpaceMpi, RunsAreTheSameOnAnyNumberOfRanks) {
             << time << " " << element << " " << i;
       }
     }
+  }
+}
+
+TEST(SpaceMpi, NeedlesAreTheSameOnAnyNumberOfRanks) {
+  for (const std::string time :
+       {"{method: quasi_static, step: 5 ms}", "{method: implicit, step: 5 ms}"}) {
+    const Scene given = scene_of(needles_in_space, {"time=" + time});
+    Simulation all(MPI_COMM_WORLD, given, true);
+    Simulation alone(MPI_COMM_SELF, given, true);
+    double furthest = 0;
+    double strongest = 0;
+    while (!alone.done()) {
+      const StepRecord record = all.step();
+      const StepRecord expected = alone.step();
+      furthest =
+          std::max(furthest, std::abs(all.needle()->path_length() - alone.needle()->path_length()));
+      strongest = std::max(strongest,
+                           std::abs(record.needle.forces.total() - expected.needle.forces.total()));
+      ASSERT_EQ(record.needle.n_stick, expected.needle.n_stick) << record.t;
+    }
+    EXPECT_TRUE(all.done());
+    EXPECT_LT(furthest, 1e-10) << time;
+    EXPECT_LT(strongest, 1e-7) << time;
+    ASSERT_EQ(all.seeds().size(), 1U);
+    EXPECT_LT(distance(all.place_of(all.seeds()[0]).x, alone.place_of(alone.seeds()[0]).x), 1e-10);
+    EXPECT_EQ(all.counts().needle.punctures, alone.counts().needle.punctures);
   }
 }
 

@@ -22,7 +22,7 @@ namespace stylet {
 using Checkpoint = std::map<std::string, Archive::Columns>;
 
 /// Of what is in a file; another one is refused.
-inline constexpr std::int64_t checkpoint_format = 1;
+inline constexpr std::int64_t checkpoint_format = 2;
 
 /// Collective. Rank 0 writes beside `path`, waits for the disk and renames; its columns count. Throws
 /// IoError and leaves nothing where that fails. Returns the bytes written.

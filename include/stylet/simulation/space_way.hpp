@@ -4,13 +4,19 @@
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/needle/embedded_path.hpp"
 #include "stylet/scene/scene.hpp"
-#include "stylet/simulation/conditions.hpp"
 #include "stylet/simulation/needle_path.hpp"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace stylet {
+
+/// Throws InputError for a key of a needle.
+[[noreturn]] void refuse_needle(const Scene& scene,
+                                const NeedleParameters& needle,
+                                const std::string& key,
+                                const std::string& why);
 
 /// What find_path finds in the plane. Throws InputError, with the needle's keys, for a line that misses the
 /// tissue, or begins inside it.
@@ -41,6 +47,6 @@ namespace stylet {
 
 /// Throws InputError for needles that leave the tissue, whose kernel reaches what is held or another side of
 /// the tissue, and for all that make_path refuses.
-void check_ways(const Scene& scene, const Mesh& mesh, const Conditions& conditions);
+void check_ways(const Scene& scene, const Mesh& mesh);
 
 }  // namespace stylet

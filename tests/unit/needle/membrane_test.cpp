@@ -20,7 +20,7 @@ constexpr double radius = 0.1;
 std::optional<double> cross(const std::vector<ReferencePoint>& polygon,
                             ReferencePoint p,
                             double length,
-                            const std::vector<ReferencePoint>& punctures = {}) {
+                            const std::vector<ReferencePlace>& punctures = {}) {
   return first_crossing(polygon, p, left, length, punctures, radius);
 }
 

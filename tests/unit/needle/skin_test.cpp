@@ -50,7 +50,7 @@ TEST(Skin, EndsAtACorner) {
 TEST(EarlierCuts, FreeToTheEndOfAPath) {
   EarlierCuts cuts;
   cuts.paths = {{{8, 3}, {7, 3}, {6, 3.05}, {5, 3.05}}};
-  const Vector2 left{-1, 0};
+  const Vector3 left{-1, 0};
   EXPECT_NEAR(cuts.free_length({8, 3}, left, 0.1), 3, 1e-12);
   EXPECT_NEAR(cuts.free_length({6.5, 3}, left, 0.1), 1.5, 1e-12);
   EXPECT_EQ(cuts.free_length({5, 3.05}, left, 0.1), 0);                  // stands at its end
