@@ -104,10 +104,10 @@ def with_band(summary, path, value, factor, unit):
         return escape(value)
     if not band or not band["total"] > 0:
         return escape(shown(value * factor if factor != 1 else value) + unit)
-    total, mesh, step = (factor * band[part] for part in ("total", "mesh", "step"))
-    digits = max(0, 1 - int(np.floor(np.log10(total))))
-    return escape(f"{factor * value:.{digits}f} ± {total:.{digits}f}{unit} "
-                  f"(mesh {mesh:.{digits}f}, step {step:.{digits}f})")
+    digits = max(0, 1 - int(np.floor(np.log10(factor * band["total"]))))
+    parts = ", ".join(f"{part} {factor * band[part]:.{digits}f}"
+                      for part in ("mesh", "step", "kernel") if part in band)
+    return escape(f"{factor * value:.{digits}f} ± {factor * band['total']:.{digits}f}{unit} ({parts})")
 
 
 def rows(pairs):

@@ -69,6 +69,9 @@ void require_structure(const Json& study) {
       require(levels.is_array() && !levels.empty(), "'levels' is no list");
       for (const Json& level : levels) check_level(level, "uncertainty");
     }
+    if (quantity.contains("kernel")) {
+      check_level(quantity["kernel"].at("levels").at(0), "uncertainty");
+    }
     const Json& mesh = quantity.at("mesh");
     if (mesh.at("remark").get<std::string>().empty()) (void)mesh.at("order").get<double>();
   }
@@ -108,7 +111,14 @@ std::string first_difference(const std::string& a, const std::string& b) {
 }  // namespace
 
 double Uncertainty::total() const {
-  return std::hypot(mesh, step);
+  return std::hypot(std::hypot(mesh, step), kernel);
+}
+
+nlohmann::ordered_json json_of(const Uncertainty& uncertainty) {
+  Json json{{"mesh", uncertainty.mesh}, {"step", uncertainty.step}};
+  if (uncertainty.kernel > 0) json["kernel"] = uncertainty.kernel;
+  json["total"] = uncertainty.total();
+  return json;
 }
 
 Accuracy::Accuracy(const std::string& path, const std::string& text) : path_(path) {
@@ -148,7 +158,11 @@ std::optional<Uncertainty> Accuracy::of(const std::string& quantity,
   const auto mesh = mesh_part(quantities[quantity]["mesh"], refine);
   const auto time = step_part(quantities[quantity]["step"], step);
   if (!mesh || !time) return std::nullopt;
-  return Uncertainty{*mesh, *time};
+  // The scene's own kernel is the first level.
+  const auto& kernel = quantities[quantity];
+  return Uncertainty{
+      *mesh, *time,
+      kernel.contains("kernel") ? kernel["kernel"]["levels"][0]["uncertainty"].get<double>() : 0};
 }
 
 StudiedLevel Accuracy::cheapest(double wanted) const {
@@ -156,6 +170,7 @@ StudiedLevel Accuracy::cheapest(double wanted) const {
   StudiedLevel most_accurate;
   double least = std::numeric_limits<double>::infinity();
   for (const Json& run : study_["runs"]) {
+    if (run.contains("kernel")) continue;  // not the scene's
     StudiedLevel level{
         run["refine"].get<int>(), run["step"].get<double>(), run["seconds"].get<double>(), {}};
     bool known = false;
@@ -236,10 +251,15 @@ std::string with_uncertainty(double value,
   // Two digits of the uncertainty, and the value to the same place.
   const int digits =
       total > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(total))), 0, 6) : 6;
-  std::snprintf(text, sizeof text, "%.*f ± %.*f %s (mesh %.*f, step %.*f)", digits, factor * value,
+  std::snprintf(text, sizeof text, "%.*f ± %.*f %s (mesh %.*f, step %.*f", digits, factor * value,
                 digits, total, unit.c_str(), digits, factor * uncertainty.mesh, digits,
                 factor * uncertainty.step);
-  return text;
+  std::string all = text;
+  if (uncertainty.kernel > 0) {
+    std::snprintf(text, sizeof text, ", kernel %.*f", digits, factor * uncertainty.kernel);
+    all += text;
+  }
+  return all + ")";
 }
 
 }  // namespace stylet

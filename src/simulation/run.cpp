@@ -77,8 +77,10 @@ std::string shown_with(const nlohmann::ordered_json& summary,
   const double value = find_number(summary, quantity).value_or(0);
   if (summary.contains("uncertainty") && summary["uncertainty"].contains(quantity)) {
     const auto& entry = summary["uncertainty"][quantity];
-    return with_uncertainty(value, {entry["mesh"].get<double>(), entry["step"].get<double>()},
-                            factor, unit);
+    return with_uncertainty(
+        value,
+        {entry["mesh"].get<double>(), entry["step"].get<double>(), entry.value("kernel", 0.0)},
+        factor, unit);
   }
   char text[40];
   std::snprintf(text, sizeof text, "%.3f %s", factor * value, unit.c_str());
@@ -96,8 +98,7 @@ void add_uncertainty(const Scene& scene,
   for (const auto& quantity : quantities) {
     const auto u = options.accuracy->of(quantity, scene.mesh.refine, scene.time.step);
     if (!u) continue;
-    summary["uncertainty"][quantity] = {
-        {"mesh", u->mesh}, {"step", u->step}, {"total", u->total()}};
+    summary["uncertainty"][quantity] = json_of(*u);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
+#include "stylet/scene/requirement.hpp"
 #include "stylet/scene/writer.hpp"
 #include "stylet/simulation/accuracy.hpp"
 #include "stylet/simulation/point_text.hpp"
@@ -19,6 +20,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 
 namespace stylet {
 
@@ -29,6 +31,9 @@ using Json = nlohmann::ordered_json;
 constexpr double ratio = 2;
 constexpr double mesh_order = 2;  // of a displacement in L2
 constexpr double step_order = 2;
+// What a needle's kernel splits off wrongly goes with its radius squared.
+constexpr double kernel_ratio = std::numbers::sqrt2;
+constexpr double kernel_order = 2;
 
 /// What a scene gives that can converge.
 std::vector<std::string> quantities_of(const Scene& scene) {
@@ -93,6 +98,7 @@ class Study {
     add_series("mesh", options.mesh_levels, 1);
     add_series("step", 1, options.step_levels);
     add_series("joint", options.mesh_levels, options.step_levels);
+    if (has_kernel_) add_kernel_series();
   }
 
   Convergence run() {
@@ -125,7 +131,9 @@ class Study {
         std::vector<double> values;
         for (const std::size_t run : series.runs) values.push_back(result_.runs[run].values[q]);
         of_series.push_back(
-            extrapolate(values, ratio, series.name == "step" ? step_order : mesh_order));
+            series.name == "kernel"
+                ? extrapolate_known(values[0], values[1], kernel_ratio, kernel_order)
+                : extrapolate(values, ratio, series.name == "step" ? step_order : mesh_order));
       }
       result_.extrapolations.push_back(std::move(of_series));
     }
@@ -153,11 +161,32 @@ class Study {
     for (int i = 0; i < levels; ++i) {
       const Level level{scene_.mesh.refine + (mesh_levels > 1 ? i : 0),
                         scene_.time.step / (step_levels > 1 ? std::pow(ratio, i) : 1)};
-      auto run = std::ranges::find(result_.runs, level, &LevelRun::level);
-      if (run == result_.runs.end()) run = result_.runs.insert(run, {level, 0, 0, {}});
-      series.runs.push_back(static_cast<std::size_t>(run - result_.runs.begin()));
+      series.runs.push_back(run_at(level));
     }
     result_.series.push_back(std::move(series));
+  }
+
+  /// On the finest mesh: the smaller kernel asks more of it.
+  void add_kernel_series() {
+    const Level finest{scene_.mesh.refine + options_.mesh_levels - 1, scene_.time.step};
+    Level smaller = finest;
+    smaller.kernel = 1 / kernel_ratio;
+    check_dimension(with(smaller), scene_.document);
+    result_.series.push_back({"kernel", {run_at(finest), run_at(smaller)}});
+  }
+
+  [[nodiscard]] std::size_t run_at(const Level& level) {
+    auto run = std::ranges::find(result_.runs, level, &LevelRun::level);
+    if (run == result_.runs.end()) run = result_.runs.insert(run, {level, 0, 0, {}});
+    return static_cast<std::size_t>(run - result_.runs.begin());
+  }
+
+  [[nodiscard]] Scene with(const Level& level) const {
+    Scene scene = scene_;
+    scene.mesh.refine = level.refine;
+    scene.time.step = level.step;
+    for (auto& needle : scene.needles) needle.space.kernel_radius *= level.kernel;
+    return scene;
   }
 
   [[nodiscard]] std::string fields_folder() const { return result_.folder + "/fields"; }
@@ -177,6 +206,7 @@ class Study {
               {"quantities", result_.quantities}};
     for (const auto& run : result_.runs) {
       plan["levels"].push_back({{"refine", run.level.refine}, {"step", run.level.step}});
+      if (has_kernel_) plan["levels"].back()["kernel"] = run.level.kernel;
     }
     Scene scene = scene_;
     scene.output = {};
@@ -187,7 +217,9 @@ class Study {
   }
 
   [[nodiscard]] std::vector<std::string> columns() const {
-    std::vector<std::string> names{"run", "status", "refine", "step [s]", n_cells_};
+    std::vector<std::string> names{"run", "status", "refine", "step [s]"};
+    if (has_kernel_) names.emplace_back("kernel");
+    names.push_back(n_cells_);
     names.insert(names.end(), result_.quantities.begin(), result_.quantities.end());
     names.insert(names.end(), {"error", "wall_time [s]"});
     return names;
@@ -246,9 +278,7 @@ class Study {
   [[nodiscard]] std::optional<std::string> measure(std::size_t task,
                                                    MPI_Comm group,
                                                    const Poll& poll) const {
-    Scene scene = scene_;
-    scene.mesh.refine = result_.runs[task].level.refine;
-    scene.time.step = result_.runs[task].level.step;
+    const Scene scene = with(result_.runs[task].level);
     keep_scene(group, result_.folder, id_of(task), scene);
     std::vector<FieldSample> samples;
     std::size_t n_seeds = 0;
@@ -285,8 +315,9 @@ class Study {
     const Level& level = result_.runs[task].level;
     const auto error = result["error"].get<std::string>();
     std::vector<std::string> row{id_of(task), error.empty() ? "done" : "failed",
-                                 std::to_string(level.refine), exact(level.step),
-                                 std::to_string(result["n_cells"].get<int>())};
+                                 std::to_string(level.refine), exact(level.step)};
+    if (has_kernel_) row.push_back(exact(level.kernel));
+    row.push_back(std::to_string(result["n_cells"].get<int>()));
     for (const Json& value : result["values"]) {
       row.push_back(value.is_number() ? exact(value.get<double>()) : "");
     }
@@ -350,6 +381,7 @@ class Study {
   const Scene& scene_;
   const ConvergeOptions& options_;
   const std::string n_cells_ = "n_" + scene_.cells();
+  const bool has_kernel_ = scene_.dim() == 3 && !scene_.needles.empty();
   Convergence result_;
   MeshFiles meshes_;
 };

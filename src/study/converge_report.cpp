@@ -30,6 +30,7 @@ Json json_of(const Scene& scene, const Convergence& result, std::size_t s, std::
                                {"n_" + scene.cells(), run.n_cells},
                                {"value", run.values[q]},
                                {"uncertainty", e.uncertainty[i]}});
+    if (series.name == "kernel") entry["levels"].back()["kernel"] = run.level.kernel;
   }
   return entry;
 }
@@ -58,6 +59,7 @@ Json study_json(const Scene& scene,
                              {"step", run.level.step},
                              {"n_" + scene.cells(), run.n_cells},
                              {"seconds", run.seconds}});
+    if (run.level.kernel != 1) study["runs"].back()["kernel"] = run.level.kernel;
   }
   for (std::size_t q = 0; q < result.quantities.size(); ++q) {
     Json& entry = study["quantities"][result.quantities[q]];
@@ -85,15 +87,21 @@ std::pair<double, const char*> shown_in(const std::string& quantity) {
 void print(const Scene& scene, const Convergence& result, const std::string& mesh_fingerprint) {
   for (std::size_t s = 0; s < result.series.size(); ++s) {
     const Series& series = result.series[s];
-    std::printf("%s refined\n%10s  %9s  %9s", series.name.c_str(), scene.cells().c_str(),
-                "step (ms)", "time (s)");
+    const bool is_kernel = series.name == "kernel";
+    std::printf("%s %s\n%10s  %9s  %9s", series.name.c_str(), is_kernel ? "narrowed" : "refined",
+                is_kernel ? "of its own" : scene.cells().c_str(), "step (ms)", "time (s)");
     for (const auto& quantity : result.quantities) {
       std::printf("  %26s", (quantity + " (" + shown_in(quantity).second + ")").c_str());
     }
     std::printf("%s\n", result.moments.empty() ? "" : "  u against the finest");
     for (std::size_t i = 0; i < series.runs.size(); ++i) {
       const LevelRun& run = result.runs[series.runs[i]];
-      std::printf("%10d  %9.4g  %9.3g", run.n_cells, 1e3 * run.level.step, run.seconds);
+      if (is_kernel) {
+        std::printf("%10.3f", run.level.kernel);
+      } else {
+        std::printf("%10d", run.n_cells);
+      }
+      std::printf("  %9.4g  %9.3g", 1e3 * run.level.step, run.seconds);
       for (std::size_t q = 0; q < run.values.size(); ++q) {
         const double factor = shown_in(result.quantities[q]).first;
         char text[64];

@@ -69,9 +69,7 @@ nlohmann::ordered_json summary_of(const Plan& result) {
                                 {"placement_error", seed.error},
                                 {"jitter", seed.jitter}});
     if (seed.uncertainty) {
-      summary["seeds"].back()["uncertainty"] = {{"mesh", seed.uncertainty->mesh},
-                                                {"step", seed.uncertainty->step},
-                                                {"total", seed.uncertainty->total()}};
+      summary["seeds"].back()["uncertainty"] = json_of(*seed.uncertainty);
     }
   }
   if (!result.shortfalls.empty()) summary["shortfalls"] = result.shortfalls;

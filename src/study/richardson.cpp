@@ -65,6 +65,18 @@ double fitted_order(std::span<const double> values, double ratio) {
 
 }  // namespace
 
+Extrapolation extrapolate_known(double at_size, double at_smaller, double ratio, double order) {
+  Extrapolation result;
+  result.order = order;
+  result.safety = usual;
+  const double gained = std::pow(ratio, order) - 1;
+  result.limit = at_smaller + (at_smaller - at_size) / gained;
+  for (const double value : {at_size, at_smaller}) {
+    result.uncertainty.push_back(usual * std::abs(value - result.limit));
+  }
+  return result;
+}
+
 Extrapolation extrapolate(std::span<const double> values, double ratio, double formal_order) {
   Extrapolation result;
   const std::size_t n = values.size();

@@ -16,10 +16,14 @@ namespace stylet {
 struct Uncertainty {
   double mesh = 0;
   double step = 0;
+  double kernel = 0;  ///< of needles in space
 
-  /// Root of the sum of squares: the two have nothing to do with each other.
+  /// Root of the sum of squares: they have nothing to do with each other.
   [[nodiscard]] double total() const;
 };
+
+/// mesh, step, kernel if there is one, and total.
+[[nodiscard]] nlohmann::ordered_json json_of(const Uncertainty& uncertainty);
 
 /// A level that was studied, and what it costs.
 struct StudiedLevel {
@@ -68,7 +72,7 @@ void require_own_accuracy(const std::string& path, const std::string& text);
 /// Where the study of a scene file is stored.
 [[nodiscard]] std::string accuracy_path(const std::string& scene_file);
 
-/// '6.196 ± 0.31 mm (mesh 0.31, step 0.01)', of values in metres; for newtons factor 1 and 'N'.
+/// '6.196 ± 0.31 mm (mesh 0.31, step 0.01)', with the kernel if there is one, of values in metres; for newtons factor 1 and 'N'.
 [[nodiscard]] std::string with_uncertainty(double value,
                                            const Uncertainty& uncertainty,
                                            double factor,

@@ -21,15 +21,16 @@ struct ConvergeOptions {
   bool store = false;   ///< write <scene>.accuracy.json beside the scene
 };
 
-/// Mesh and step of one run. Series of levels share runs.
+/// Mesh, step and kernel of one run. Series of levels share runs.
 struct Level {
   int refine = 0;
-  double step = 0;  ///< s
+  double step = 0;    ///< s
+  double kernel = 1;  ///< of needles in space: kernel_radius over the scene's
   friend bool operator==(const Level&, const Level&) = default;
 };
 
 struct Series {
-  std::string name;               ///< mesh, step or joint
+  std::string name;               ///< mesh, step, joint or kernel
   std::vector<std::size_t> runs;  ///< coarsest first
 };
 

@@ -21,6 +21,13 @@ struct Extrapolation {
   std::vector<double> uncertainty;
 };
 
+/// Of a value with an error that is known to go with this power of a size: at this size, and at one `ratio`
+/// times smaller.
+[[nodiscard]] Extrapolation extrapolate_known(double at_size,
+                                              double at_smaller,
+                                              double ratio,
+                                              double order);
+
 /// values: coarsest first, each level `ratio` times finer than the one before, at least two. Three
 /// levels are solved for the order, four and more fitted by least squares. formal_order: the highest
 /// that is believed. An order from 0.5 to formal_order + 0.1 is sensible.
