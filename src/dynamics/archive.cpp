@@ -25,7 +25,7 @@ void ImplicitNewmark::archive(Archive& archive) {
   archive("damped_steps", damped_steps_);
   archive("half", half_);
   archive("fastest", fastest_);
-  archive_rows(archive);
+  archive("rows", rows_);
   archive("had_mean", had_mean_);
   if (archive.loads()) has_mean_ = had_mean_;
   archive("released", released_);
@@ -43,7 +43,7 @@ void QuasiStatic::archive(Archive& archive) {
     if (row < 0) archive.dof("forced/dof", dof);
     if (row >= 0) dof = n_dofs + row;
   }
-  archive_rows(archive);
+  archive("rows", rows_);
   archive("forces", kept);
   archive("renewed", renewed_);
   if (archive.loads()) loaded_forces_ = std::move(kept);
@@ -54,6 +54,7 @@ void ExplicitNewmark::archive(Archive& archive) {
   archive("n_steps", n_steps_);
   archive("contact", contact_);
   archive("kept", kept_);
+  archive("track", track_);
   if (damping_.stiffness_factor != 0) archive_field(archive, "half_velocity", half_velocity_.get());
 }
 

@@ -8,7 +8,10 @@
 namespace stylet {
 
 CondensedIntegrator::CondensedIntegrator(TissueOperator& tissue, const Mesh& mesh)
-    : tissue_(tissue), cells_(mesh, tissue), near_(tissue.comm(), tissue.n_dofs()) {
+    : tissue_(tissue),
+      cells_(mesh, tissue),
+      near_(tissue.comm(), tissue.n_dofs()),
+      rows_(tissue.n_dofs()) {
   for (OwnedVec* vec : {&u_, &v_, &reaction_, &rhs_, &work_}) {
     *vec = tissue.make_vector();
     check(VecSet(vec->get(), 0));
@@ -36,7 +39,7 @@ StoredEnergy CondensedIntegrator::energy(const State& state) {
   cells_.stiffness_and_mass(state.u.get(), state.v.get(), work_.get(), rhs_.get());
   check(VecDot(state.u.get(), work_.get(), &twice[0]));
   check(VecDot(state.v.get(), rhs_.get(), &twice[1]));
-  return {0.5 * twice[1], 0.5 * twice[0] + energy_of_rest()};
+  return {0.5 * twice[1], 0.5 * twice[0] + rows_.energy()};
 }
 
 std::vector<int> CondensedIntegrator::dofs_of(const ConstraintSet& constraints) {
@@ -70,59 +73,14 @@ void CondensedIntegrator::damp(const ConstraintSet& constraints,
 }
 
 void CondensedIntegrator::follow(const TrackOperator& track) {
-  track_ = &track;
+  rows_.follow(track);
   near_.follow(&track);
 }
 
 void CondensedIntegrator::leave_track() {
-  track_ = nullptr;
+  rows_.leave();
   near_.follow(nullptr);
-  row_forces_.clear();
-  mean_rest_energy_ = 0;
   stored_of_ = {};
-}
-
-double CondensedIntegrator::rest_of(int coordinate) const {
-  double sum = 0;
-  const TrackPlace place = place_of(tissue_.n_dofs(), coordinate);
-  for (const auto& [other, force] : row_forces_) {
-    sum += force * track_->rest(place, place_of(tissue_.n_dofs(), other));
-  }
-  return sum;
-}
-
-double CondensedIntegrator::energy_of_rest() const {
-  double twice = 0;
-  for (const auto& [coordinate, force] : row_forces_) twice += force * rest_of(coordinate);
-  return 0.5 * twice + mean_rest_energy_;
-}
-
-void CondensedIntegrator::keep_row_forces() {
-  row_forces_.clear();
-  mean_rest_energy_ = 0;
-  if (track_ == nullptr) return;
-  std::vector<double> forces(extra_.begin(), extra_.end());
-  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += solution_.reaction[i];
-  for (const auto& [at, weight] : demand_.weights) forces[at] += solution_.lambda * weight;
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (near_.is_row(i) && forces[i] != 0) {
-      row_forces_.push_back({near_.coordinates()[i], forces[i]});
-    }
-  }
-  mean_rest_energy_ = 0.5 * demand_.rest * solution_.lambda * solution_.lambda;
-}
-
-void CondensedIntegrator::archive_rows(Archive& archive) {
-  std::size_t size = row_forces_.size();
-  archive("rows/size", size);
-  row_forces_.resize(size);
-  for (auto& [coordinate, force] : row_forces_) {
-    int row = coordinate - tissue_.n_dofs();
-    archive("rows/row", row);
-    coordinate = row + tissue_.n_dofs();
-    archive("rows/force", force);
-  }
-  archive("rows/mean_rest_energy", mean_rest_energy_);
 }
 
 void CondensedIntegrator::take_extra(Vec residual, std::span<const double> extra) const {

@@ -31,7 +31,7 @@ StoredEnergy ExplicitNewmark::energy(const State& state) {
   if (size_of(tissue_.comm()) > 1) {
     MPI_Allreduce(MPI_IN_PLACE, twice, 2, MPI_DOUBLE, MPI_SUM, tissue_.comm());
   }
-  return {0.5 * twice[0], 0.5 * twice[1]};
+  return {0.5 * twice[0], 0.5 * twice[1] + track_.energy()};
 }
 
 // Central difference conserves 1/2 v M v + 1/2 u K u - h^2/8 a M a. With (omega h)^2 / 4 up to safety^2

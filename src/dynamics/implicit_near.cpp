@@ -17,12 +17,12 @@ void ImplicitNewmark::refresh_near() {
   u_near_.insert(u_near_.end(), values[0].begin(), values[0].end());
   v_near_.insert(v_near_.end(), values[1].begin(), values[1].end());
   change_.resize(near_.coordinates().size(), 0.0);
-  if (track_ == nullptr) return;
+  if (!rows_.has_track()) return;
   const Vec starts[1] = {state_->u.get()};
   const auto start = near_.values(starts, start_.size())[0];
   for (const double tissue : start) {
     const std::size_t at = start_.size();
-    start_.push_back(near_.is_row(at) ? tissue + rest_of(near_.coordinates()[at]) : 0);
+    start_.push_back(near_.is_row(at) ? tissue + rows_.rest_of(near_.coordinates()[at]) : 0);
   }
 }
 

@@ -215,7 +215,7 @@ Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   } else if (!edited_.empty()) {
     predict_edited();
   }
-  const bool begins = held_begin_ || (track_ == nullptr && needle_begins(constraints));
+  const bool begins = held_begin_ || (!rows_.has_track() && needle_begins(constraints));
   if (scheme_.c0 != 0 && (begins || constraints.load_jumps)) {
     const bool is_damped = damps_at_once();
     if (!is_damped) half_ = 0.5 * h_;
@@ -225,7 +225,7 @@ Trial ImplicitNewmark::attempt(const ConstraintSet& constraints, bool) {
   if (fresh_) prepare();
   trial_ = attempt_near(constraints);
   has_blow_ = begins;
-  if (has_blow_) take_off_blow(track_ == nullptr ? constraints : ConstraintSet{});
+  if (has_blow_) take_off_blow(!rows_.has_track() ? constraints : ConstraintSet{});
   trial_.end_weight = end_weight();
   trial_.iterations = near_.take_iterations();
   fresh_ = false;
@@ -241,8 +241,8 @@ EnergyRules ImplicitNewmark::energy_rules() const {
 }
 
 void ImplicitNewmark::accept() {
-  if (!damps_at_once() && track_ == nullptr) fit_given();
-  keep_row_forces();
+  if (!damps_at_once() && !rows_.has_track()) fit_given();
+  rows_.keep(near_, extra_, demand_, solution_);
   check(VecCopy(u_.get(), state_->u.get()));
   check(VecCopy(v_.get(), state_->v.get()));
   {
@@ -254,7 +254,7 @@ void ImplicitNewmark::accept() {
   if (keeps_products()) {
     products_.swap();
     products_.brought_to(*state_);
-    stored_.strain += energy_of_rest();
+    stored_.strain += rows_.energy();
     stored_of_ = StateVersion(*state_);
   }
   state_->t += h_;

@@ -119,7 +119,7 @@ void QuasiStatic::make_near(std::span<const int> dofs) {
   auto values = near_.values(vectors, start_.size())[0];
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t at = start_.size() + i;
-    if (near_.is_row(at)) values[i] += rest_of(near_.coordinates()[at]);
+    if (near_.is_row(at)) values[i] += rows_.rest_of(near_.coordinates()[at]);
   }
   start_.insert(start_.end(), values.begin(), values.end());
   accepted_.insert(accepted_.end(), values.begin(), values.end());
@@ -229,7 +229,7 @@ StoredEnergy QuasiStatic::energy(const State& state) {
   cells_.stiffness(state.u.get(), work_.get());
   PetscScalar twice = 0;
   check(VecDot(state.u.get(), work_.get(), &twice));
-  return {0, 0.5 * twice + energy_of_rest()};
+  return {0, 0.5 * twice + rows_.energy()};
 }
 
 void QuasiStatic::accept() {
@@ -251,12 +251,12 @@ void QuasiStatic::accept() {
   }
   std::swap(last_pushed_, pushed_);
   pushed_ = near_.factored_forces(solution_.x);
-  keep_row_forces();
+  rows_.keep(near_, extra_, demand_, solution_);
   if (whole_step_) {
     stored_of_ = {};
   } else {
     const auto& x = solution_.x;
-    stored_ = {0, 0.5 * (dot(x, pushed_) + dot(x, near_.changed_forces(x))) + mean_rest_energy_};
+    stored_ = {0, 0.5 * (dot(x, pushed_) + dot(x, near_.changed_forces(x)))};
     stored_of_ = StateVersion(*state_);
   }
   accepted_ = solution_.x;

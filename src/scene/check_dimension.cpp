@@ -23,6 +23,13 @@ class DimensionRules {
     const bool is_rectangle = std::holds_alternative<RectangleMesh>(scene_.mesh.source);
     require(!is_box || !plane_, "tissue.plane", "no plane, because mesh.box is in space");
     require(plane_ || !is_rectangle, "tissue.plane", "stress, strain");
+    const auto in_space = [](const NeedleParameters& needle) {
+      return needle.space.entry.has_value();
+    };
+    require(
+        plane_ || is_box || scene_.needles.empty() || std::ranges::any_of(scene_.needles, in_space),
+        "tissue.plane",
+        "stress, strain, because the scene's needles have height; in space they have entry");
     plane_ ? check_plane() : check_space();
     check_components();
   }
@@ -82,8 +89,6 @@ class DimensionRules {
               item(path + ".motion", k) + (inserts ? ".insert" : ".retract") + ".position",
               "depth, because the scene is in space");
     }
-    require(scene_.time.method != TimeMethod::explicit_newmark, "time.method",
-            "implicit, quasi_static, because needles in space do not yet take explicit steps");
   }
 
   // The needle's way is a straight line in tissue that nothing has moved.

@@ -76,31 +76,6 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   leave_all();
 }
 
-void NearField::follow(const TrackOperator* track) {
-  if (!only_dofs_) {
-    stale_ = stale_ || !changed_.empty();
-    leave_all();
-  }
-  track_ = track;
-}
-
-// Nothing is near.
-void NearField::leave_all() {
-  coordinates_.clear();
-  rows_.clear();
-  only_dofs_ = true;
-  index_.clear();
-  changed_.clear();
-  is_changed_.clear();
-  s_.clear();
-  k_.clear();
-  l_.clear();
-  mask_.clear();
-  valid_ = 0;
-  y_near_.clear();
-  s_y_.clear();
-}
-
 void NearField::include(std::span<const int> coordinates) {
   std::vector<int> fresh;
   for (const int c : coordinates) {

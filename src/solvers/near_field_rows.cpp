@@ -5,8 +5,39 @@
 #include "stylet/solvers/near_field.hpp"
 
 #include <map>
+#include <utility>
 
 namespace stylet {
+
+void NearField::follow(const TrackOperator* track) {
+  if (!only_dofs_) {
+    stale_ = stale_ || !changed_.empty();
+    leave_all();
+  }
+  track_ = track;
+}
+
+// Nothing is near.
+void NearField::leave_all() {
+  coordinates_.clear();
+  rows_.clear();
+  only_dofs_ = true;
+  index_.clear();
+  changed_.clear();
+  is_changed_.clear();
+  s_.clear();
+  k_.clear();
+  l_.clear();
+  mask_.clear();
+  valid_ = 0;
+  y_near_.clear();
+  s_y_.clear();
+}
+
+void NearField::stand_still(std::vector<double> values) {
+  y_near_ = std::move(values);
+  s_y_ = factored_forces(y_near_);
+}
 
 // Those that rows from the `from`-th on need, row by row.
 std::vector<int> NearField::dofs_behind(std::size_t from) const {
@@ -46,6 +77,7 @@ void NearField::subtract(std::size_t at, double force, Entries& r) const {
 }
 
 std::vector<double> NearField::loaded(std::size_t from) {
+  if (still_) return std::vector<double>(size() - from, 0.0);
   return sum_rows(from, whole_.loaded(dofs_behind(from)));
 }
 
@@ -81,7 +113,8 @@ std::vector<double> NearField::compliance(std::size_t from) {
     b.push_back(is_row(i) ? rows_[i] : SparseRow{{coordinates_[i], 1}});
     std::erase_if(b.back(), [&](const DofValue& entry) { return held_.contains(entry.dof); });
   }
-  std::vector<double> w = whole_.inverse_entries(b, from);
+  std::vector<double> w =
+      still_ ? std::vector<double>(size() * (size() - from), 0.0) : whole_.inverse_entries(b, from);
   for (std::size_t j = from; j < size(); ++j) {
     for (std::size_t i = 0; i < size() && is_row(j); ++i) {
       if (!is_row(i)) continue;

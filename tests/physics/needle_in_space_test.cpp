@@ -152,7 +152,6 @@ TEST(NeedleInSpace, WhatHasNoAnswerIsRefused) {
            {{"loads.body=[{force: [0 N/m^3, 0 N/m^3, 1 N/m^3]}]"}, {"loads.body", "straight ways"}},
            {{"prescribed=[{surface: right, displacement: [null, null, 1 mm]}]"},
             {"prescribed", "straight ways"}},
-           {{"time.method=explicit"}, {"time.method", "do not yet take explicit steps"}},
            {{"membrane={surface: right, puncture_force: 1 N}"}, {"membrane.surface", "not closed"}},
            {{"membrane={surface: nowhere, puncture_force: 1 N}"}, {"membrane.surface", "nowhere"}},
            {{"membrane={region: tissue, puncture_force: 1 N}"},

@@ -163,10 +163,12 @@ TEST(SpaceScene, WhatIsOfThePlaneIsRefusedByName) {
   EXPECT_THAT(refusal({"needles=[{height: 3 cm, cutting: {cutting_force: 1 N}, motion: [{insert: "
                        "{speed: 1 cm/s, depth: 1 cm}}]}]",
                        "time={method: quasi_static}"}),
-              AllOf(HasSubstr("key 'needles'"), HasSubstr("not yet in space")));
-  EXPECT_THAT(refusal({"targets={t: [1 cm, 1 cm]}"}), HasSubstr("key 'targets'"));
-  EXPECT_THAT(refusal({"membrane={region: tissue, puncture_force: 1 N}"}),
-              HasSubstr("key 'membrane'"));
+              AllOf(HasSubstr("key 'needles.0.height'"), HasSubstr("only with tissue.plane")));
+  EXPECT_THAT(refusal({"targets={t: [1 cm, 1 cm]}"}), HasSubstr("key 'targets.t'"));
+  EXPECT_THAT(
+      refusal({"membrane={polygon: [[0 m, 0 m], [1 cm, 0 m], [0 m, 1 cm]], puncture_force: 1 N}"}),
+      HasSubstr("key 'membrane.polygon'"));
+  EXPECT_THAT(refusal({"procedure={file: a.yaml}"}), HasSubstr("not yet in space"));
   EXPECT_THAT(refusal({"needle_angle=90 deg"}), HasSubstr("key 'needle_angle'"));
   EXPECT_THAT(refusal({"loads.traction.0={curve: right, force: [1 N/m, 0 N/m]}"}),
               AllOf(HasSubstr("key 'loads.traction.0.curve'"), HasSubstr("a surface")));

@@ -2,6 +2,7 @@
 // (near_field.hpp), and one solve of the whole tissue ends the step.
 #pragma once
 
+#include "stylet/dynamics/row_forces.hpp"
 #include "stylet/dynamics/state_products.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 #include "stylet/petsc/entries.hpp"
@@ -43,19 +44,13 @@ class CondensedIntegrator : public TimeIntegrator {
   /// Displacement, velocity and reaction of the trial at near dofs; `u_of`, `v_of`: of the i-th.
   template <class Displacement, class Velocity>
   Trial near_trial(Displacement&& u_of, Velocity&& v_of);
-  /// The displacement of a row beyond that of the tissue behind it, by the forces on rows.
-  [[nodiscard]] double rest_of(int coordinate) const;
-  /// What those forces store (J).
-  [[nodiscard]] double energy_of_rest() const;
-  /// The forces on rows of a trial that is accepted.
-  void keep_row_forces();
-  void archive_rows(Archive& archive);
   /// reaction_ = residual at held dofs, what the solution says at given ones, zero elsewhere.
   void collect_reactions(Vec residual);
 
   TissueOperator& tissue_;
   CellOperator cells_;
   NearField near_;
+  RowForces rows_;
   StoredEnergy stored_;
   StateVersion stored_of_;
   State* state_ = nullptr;
@@ -66,9 +61,6 @@ class CondensedIntegrator : public TimeIntegrator {
   std::vector<double> extra_;  ///< added to the right-hand side at near dofs in the last trial
   NearField::Demand demand_;   ///< of the last trial
   NearField::Solution solution_;
-  const TrackOperator* track_ = nullptr;
-  std::vector<DofValue> row_forces_;  ///< N, by coordinate, at the end of the last step
-  double mean_rest_energy_ = 0;       ///< J, of the rest of its mean condition
   Trial trial_;
   OwnedVec u_;  ///< of the trial
   OwnedVec v_;

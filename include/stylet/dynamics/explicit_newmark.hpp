@@ -11,6 +11,7 @@
 #pragma once
 
 #include "stylet/dynamics/explicit_step.hpp"
+#include "stylet/dynamics/explicit_track.hpp"
 #include "stylet/dynamics/parameters.hpp"
 #include "stylet/dynamics/time_integrator.hpp"
 #include "stylet/fem/cell_operator.hpp"
@@ -29,7 +30,10 @@ class ExplicitNewmark final : public TimeIntegrator {
   void require_bearable_damping() const;
 
   void begin(State& state, Vec load, double h, std::span<const PrescribedDof> held) override;
-  void watch(std::span<const int>) override {}
+  void watch(std::span<const int> coordinates) override;
+  void follow(const TrackOperator& track) override { track_.follow(track); }
+  void leave_track() override;
+  [[nodiscard]] RowTrial row(int coordinate) const override { return track_.row(coordinate); }
   Trial attempt(const ConstraintSet& constraints, bool edited) override;
   Trial finish(bool) override;
   void accept() override;
@@ -37,7 +41,8 @@ class ExplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] double stable_step() const override;
   void touched(const Mesh& mesh, std::span<const int> cells) override;
   void renewed(const Mesh& mesh) override;
-  [[nodiscard]] bool decides_by_velocity() const override { return true; }
+  /// Not in space, where the needle's place feels its forces at once.
+  [[nodiscard]] bool decides_by_velocity() const override { return tissue_.dim() == 2; }
   [[nodiscard]] StoredEnergy energy(const State& state) override;
   [[nodiscard]] EnergyRules energy_rules() const override;
   void archive(Archive& archive) override;
@@ -61,6 +66,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   [[nodiscard]] bool is_given(int dof, std::span<const PrescribedDof> dofs) const;
   [[nodiscard]] bool places_same_dofs(const ConstraintSet& constraints) const;
   Multipliers apply(const ConstraintSet& constraints);
+  void push_by_track();
 
   TissueOperator& tissue_;
   double safety_;
@@ -77,6 +83,7 @@ class ExplicitNewmark final : public TimeIntegrator {
   bool fresh_ = false;
   std::span<const PrescribedDof> held_;
   std::vector<PrescribedDof> dofs_;  ///< held ones and the needle's
+  ExplicitTrack track_;              ///< of a needle in space
   Trial trial_;
   std::vector<FreeValue> overridden_;
   std::vector<int> placed_;        ///< dofs with a given place, of all ranks

@@ -31,7 +31,8 @@ class Entries;
 class NearField {
  public:
   /// Collective.
-  NearField(MPI_Comm comm, PetscInt n_dofs) : comm_(comm), n_dofs_(n_dofs), whole_(comm, n_dofs) {}
+  NearField(MPI_Comm comm, PetscInt n_dofs, bool still = false)
+      : comm_(comm), n_dofs_(n_dofs), whole_(comm, n_dofs), still_(still) {}
 
   /// The rows behind the dofs, none for null; lent. Their compliance must be positive definite beside that of
   /// the tissue. Rows of another track are near no more, nor is anything else then.
@@ -66,6 +67,9 @@ class NearField {
   void load(Vec b);
   /// Collective. b = 0.
   void unload();
+  /// Of a near field that was made `still`, of rows only: no force moves the tissue, which has these values at
+  /// all near coordinates. W = C, and there is no factor.
+  void stand_still(std::vector<double> values);
 
   struct Given {
     std::size_t at;
@@ -134,6 +138,7 @@ class NearField {
   WholeSolver whole_;
   Eliminated factored_;  ///< A0
   bool stale_ = true;
+  bool still_ = false;
   std::unordered_set<int> held_;
   std::vector<int> held_here_;  ///< those of owned dofs, ascending
   const TrackOperator* track_ = nullptr;

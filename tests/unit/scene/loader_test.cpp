@@ -105,8 +105,8 @@ TEST(Loader, MissingKeysAreNamed) {
             "scene.yaml:2:1: key 'tissue.plane': missing; allowed: stress, strain");
   EXPECT_EQ(
       message_of(changed(needle_scene, "  plane: stress\n", "")),
-      "scene.yaml:2:1: key 'tissue.plane': missing; allowed: stress, strain, because the scene "
-      "has needles, which are not yet in space");
+      "scene.yaml:2:1: key 'tissue.plane': missing; allowed: stress, strain, because the scene's "
+      "needles have height; in space they have entry");
   EXPECT_THAT(message_of(changed(needle_scene, "cutting_force: 1.7 N", "sharpness: 1")),
               HasSubstr("key 'needles.0.cutting.cutting_force': missing; allowed: a number with a "
                         "unit, such as N, > 0 N"));
@@ -126,7 +126,7 @@ TEST(Loader, ExclusiveKeysAreCounted) {
   EXPECT_THAT(message_of(needle_scene, {"needles.0.motion.0.position=3 cm"}),
               HasSubstr("exactly one of depth, position"));
   EXPECT_THAT(message_of(needle_scene, {"membrane.puncture_force=1 N"}),
-              HasSubstr("exactly one of region, polygon"));
+              HasSubstr("exactly one of region, surface, polygon"));
   EXPECT_THAT(message_of(needle_scene, {"needles.0.motion.3.speed_tolerance=1 mm/s"}),
               HasSubstr("at most one of duration, speed_tolerance"));
   const std::string region = "mesh.rectangle.inner_regions=[{name: a}]";

@@ -92,6 +92,28 @@ probes: {p: [1 cm, 2 cm, 2.01 m]}
 time: {duration: 3 s}
 )";
 
+const std::string needles_in_space =
+    R"(mesh: {box: {size: [8 cm, 6 cm, 5 cm], columns: 8, rows: 6, layers: 5}}
+tissue:
+  regions: {tissue: {youngs_modulus: 30 kPa, poisson_ratio: 0.49, density: 1e3 kg/m^3}}
+needles:
+  - entry: [8 cm, 3 cm, 2 cm]
+    direction: [-1, 0.1, 0]
+    diameter: 2 mm
+    kernel_radius: 11 mm
+    segment: 0.7 mm
+    cutting: {cutting_force: 1 N, tip_length: 5 mm}
+    motion: [insert: {speed: 1 cm/s, depth: 3 cm}, retract: {speed: 1 cm/s}]
+  - entry: [8 cm, 3 cm, 3 cm]
+    target: [4 cm, 3.1 cm, 2 cm]
+    kernel_radius: 11 mm
+    cutting: {cutting_force: 1 N, tip_length: 5 mm}
+    motion: [insert: {speed: 1 cm/s, depth: 3 cm}]
+membrane: {surface: front, puncture_force: 2 N}
+targets: {t: [4 cm, 3 cm, 2 cm]}
+time: {method: quasi_static}
+)";
+
 std::string polygon_scene() {
   return changed(needle_scene, "block.msh}", "a b/block.msh, scale: 0.001}") +
          "membrane: {polygon: [[0 m, 0 m], [1 cm, 0 m], [0 m, 1 cm]], puncture_force: 1 N}\n";
@@ -129,15 +151,15 @@ void collect(const Node& node,
 TEST(Writer, WritesEveryKeyOfTheSchema) {
   std::set<std::string> written;
   for (const std::string& text :
-       {everything, polygon_scene(), block_scene, procedure_scene, in_space}) {
+       {everything, polygon_scene(), block_scene, procedure_scene, in_space, needles_in_space}) {
     collect(to_document(load_scene("s.yaml", text)), scene_codec().key, {}, written);
   }
   for (const SchemaRow& row : schema_rows()) EXPECT_TRUE(written.contains(row.path)) << row.path;
 }
 
 TEST(Writer, WhatItWritesLoadsToTheSameScene) {
-  for (const std::string& text :
-       {everything, polygon_scene(), needle_scene, block_scene, procedure_scene, in_space}) {
+  for (const std::string& text : {everything, polygon_scene(), needle_scene, block_scene,
+                                  procedure_scene, in_space, needles_in_space}) {
     const std::string once = to_yaml(load_scene("s.yaml", text));
     const std::string twice = to_yaml(load_scene("s.yaml", once));
     EXPECT_EQ(once, twice);
