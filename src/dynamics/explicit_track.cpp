@@ -19,7 +19,8 @@ void ExplicitTrack::leave() {
 void ExplicitTrack::watch(std::span<const int> coordinates, Vec u) {
   near_.include(coordinates);
   const Vec vectors[1] = {u};
-  for (const double tissue : near_.values(vectors, start_.size())[0]) {
+  const auto values = near_.values(vectors, start_.size())[0];
+  for (const double tissue : values) {
     start_.push_back(tissue + rows_.rest_of(near_.coordinates()[start_.size()]));
   }
 }

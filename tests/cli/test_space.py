@@ -227,15 +227,13 @@ class Space(CliTest):
         self.refuse("prescribed=[{surface: right, displacement: [1 mm, null]}]",
                     "prescribed.0.displacement", "[x, y, z]")
 
-    def test_needles_are_in_the_plane_so_far(self):
+    def test_what_is_of_the_plane(self):
         self.refuse(["needles=[{height: 1 cm, cutting: {cutting_force: 1 N}, motion: [{insert: "
-                     "{speed: 1 cm/s, depth: 1 cm}}]}]"], "tissue.plane", "not yet in space")
+                     "{speed: 1 cm/s, depth: 1 cm}}]}]"], "needles.0.height", "only with tissue.plane")
         self.refuse("procedure={file: p.csv}", "key 'procedure'", "not yet in space")
-        self.refuse("targets={t: [1 cm, 1 cm]}", "key 'targets'", "not yet in space")
-        self.refuse("membrane={region: tissue, puncture_force: 1 N}", "key 'membrane'",
-                    "not yet in space")
+        self.refuse("targets={t: [1 cm, 1 cm]}", "key 'targets.t'", "[x, y, z]")
         self.refuse("image={}", "key 'image'", "not yet in space")
-        self.refuse("needle_angle=90 deg", "key 'needle_angle'", "not yet in space")
+        self.refuse("needle_angle=90 deg", "key 'needle_angle'", "only with tissue.plane")
         for verb in ("tradeoff", "plan"):
             self.assert_refused(self.stylet(verb, "scene.yaml"), "scene.yaml")
 
