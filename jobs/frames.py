@@ -19,7 +19,7 @@ try:
     from PIL import Image
 
     import space_view
-    from snapshots import open_run, text
+    from snapshots import error_words, open_run, text
 except ImportError as error:
     sys.exit(f"frames.py needs python3-h5py, python3-matplotlib and python3-pil: {error}")
 
@@ -118,8 +118,7 @@ def draw_errors(axes, run, scale):
     for seed, target, place in run.errors():
         axes.plot(*np.array([target, place]).T, color=SEED, linewidth=2 * scale, zorder=5.5,
                   path_effects=[withStroke(linewidth=3.4 * scale, foreground="white")])
-        doubt = ", not to be trusted" if seed.get("turned_over", 0) else ""  # beyond small strain
-        axes.annotate(f"{1e3 * seed['placement_error']:.1f} mm{doubt}", (target + place) / 2,
+        axes.annotate(error_words(seed), (target + place) / 2,
                       xytext=(0, 13 * scale), textcoords="offset points", ha="center",
                       fontsize=10 * scale + 1, color=DARK, zorder=7,
                       bbox={"boxstyle": "round,pad=0.25", "facecolor": "white",

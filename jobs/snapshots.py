@@ -149,6 +149,12 @@ def text(value):
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
+def error_words(seed):
+    """Its placement error, with a word where the needle went beyond small strain."""
+    doubt = ", not to be trusted" if seed.get("turned_over", 0) else ""
+    return f"{1e3 * seed['placement_error']:.1f} mm{doubt}"
+
+
 def open_run(folder, field, through=None, normal=None):
     """The run in the plane, or slices of the one in space: through a point (cm), across a direction."""
     from space import SpaceRun  # which is made of Run

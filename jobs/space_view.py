@@ -3,6 +3,8 @@
 import numpy as np
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
+from snapshots import error_words
+
 CAPSULE = np.array([0.78, 0.42, 0.40])
 LIGHT = np.array([0.4, -0.5, 0.77])
 EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1]
@@ -49,7 +51,7 @@ def draw(axes, run, step, extent, colours, *, final=False):
     if final:
         for seed, target, place in run.errors_in_space():
             axes.quiver(*target, *(place - target), color=bright, linewidth=1.6, arrow_length_ratio=0.25)
-            axes.text(*place, f"  {1e3 * seed['placement_error']:.1f} mm", fontsize=8, color=dark, zorder=9)
+            axes.text(*place, "  " + error_words(seed), fontsize=8, color=dark, zorder=9)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(high - low)
     axes.set_axis_off()

@@ -77,6 +77,8 @@ def parse_arguments(argv):
         value = getattr(arguments, name)
         if value is not None and not (np.isfinite(value) and value > 0):
             parser.error(f"--{name.replace('_', '-')} = {value}; allowed: above 0")
+    if arguments.outer_size < arguments.size:
+        parser.error(f"--outer-size = {arguments.outer_size}; allowed: --size = {arguments.size} or more")
     for name, taken in (("region", {"surrounding"}), ("surface", {n for pair in SIDES for n in pair})):
         value = getattr(arguments, name)
         if not re.fullmatch(r"[\w.-]+", value) or value in taken:
@@ -289,7 +291,8 @@ def run(gmsh, arguments):
     for name, values in measures.items():
         print(f"{name}: {values}")
     if min(m.quality.min() for m in measures.values()) < POOR:
-        print(f"an element has a quality below {POOR}: explicit steps will be short; another --size may help")
+        print(f"an element has a quality below {POOR}: explicit steps will be short; another --size or a larger "
+              "margin may help")
     print(f"{100 * lost:.1f} % of the organ's volume is lost between its triangles and those of the mesh")
 
 

@@ -201,6 +201,7 @@ class SurfaceMesh(CliTest):
         self.refuse(None, "X0 < X1", options=("--unit", "mm", "--box", 1, 0, 0, 0, 1, 1))
         self.refuse(None, "--margin and --box", options=("--unit", "mm", "--margin", 1, "--box", 0, 0, 0, 1, 1, 1))
         self.refuse(None, "--size", options=("--unit", "mm", "--size", 0))
+        self.refuse(None, "--outer-size", options=("--unit", "mm", "--size", 0.004, "--outer-size", 0.003))
         self.refuse(None, "tetrahedra; allowed: up to", options=("--unit", "mm", "--size", 1e-4))
         self.refuse(None, "a smaller --size", options=("--unit", "mm", "--size", 0.03, "--margin", 0.1))
 
