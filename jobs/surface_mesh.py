@@ -190,14 +190,14 @@ def set_sizes(gmsh, organ, capsule, arguments, box, surface):
 
     gap = min(np.min(surface.points.min(axis=0) - box[0]), np.min(box[1] - surface.points.max(axis=0)))
     size, outer = MM * arguments.size, MM * arguments.outer_size
-    away = add("Distance", FacesList=capsule, NNodesByEdge=40)
-    growing = add("Threshold", IField=away, LcMin=size, LcMax=outer, DistMin=0, DistMax=float(gap))
+    away = add("Distance", SurfacesList=capsule, NumPointsPerCurve=40)
+    growing = add("Threshold", InField=away, SizeMin=size, SizeMax=outer, DistMin=0, DistMax=float(gap))
     seams = [tag for _, tag in gmsh.model.getBoundary([(2, tag) for tag in capsule], combined=False, oriented=False)]
-    inside = add("Restrict", IField=add("MathEval", F=repr(size)), RegionsList=[organ], FacesList=capsule,
-                 EdgesList=sorted(set(seams)))  # Distance is but that from samples of the surface
+    inside = add("Restrict", InField=add("MathEval", F=repr(size)), VolumesList=[organ], SurfacesList=capsule,
+                 CurvesList=sorted(set(seams)))  # Distance is but that from samples of the surface
     field.setAsBackgroundMesh(add("Min", FieldsList=[growing, inside]))
     for option in ("FromPoints", "FromCurvature", "ExtendFromBoundary"):
-        gmsh.option.setNumber(f"Mesh.CharacteristicLength{option}", 0)
+        gmsh.option.setNumber(f"Mesh.MeshSize{option}", 0)
 
 
 def build(gmsh, surface, box, arguments):
