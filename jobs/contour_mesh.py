@@ -11,20 +11,18 @@ Exit codes: 0 done, 2 bad arguments or contour, 4 the mesh cannot be written.
 """
 
 import argparse
-import os
 import sys
 
 import numpy as np
+
+import mesh_file
+from own_files import BadInput
 
 EXAMPLES = """examples:
   contour_mesh.py prostate.csv prostate.msh
   contour_mesh.py prostate.csv prostate.msh --size 0.002 --outer-size 0.005 --margin 0.03
   contour_mesh.py prostate.csv prostate.msh --tumour 0.01 0.005 0.012 0.010
 """
-
-
-class BadInput(Exception):
-    """Something the user can mend."""
 
 
 def parse_arguments(argv):
@@ -188,8 +186,7 @@ def measure(gmsh):
 def run(arguments):
     contour = arguments.scale * read_contour(arguments.contour)
     check_simple(arguments.contour, contour)
-    if os.path.exists(arguments.mesh) and not arguments.force:
-        raise BadInput(f"{arguments.mesh}: exists; give --force to overwrite it")
+    mesh_file.refuse_existing(arguments.mesh, arguments.force)
     if signed_area(contour) < 0:
         contour = contour[::-1]
     tumour = None
@@ -206,31 +203,23 @@ def run(arguments):
     try:
         build(gmsh, contour, tumour, arguments)
         n_nodes, n_triangles, worst = measure(gmsh)
-        gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
-        gmsh.option.setNumber("Mesh.Binary", 0)
-        # Beside the target, then renamed: never half a mesh under the final name.
-        part = f"{arguments.mesh}.{os.getpid()}.part.msh"
-        try:
-            gmsh.write(part)
-            os.replace(part, arguments.mesh)
-        except Exception as error:
-            if os.path.exists(part):
-                os.remove(part)
-            print(f"{arguments.mesh}: cannot be written: {error}", file=sys.stderr)
-            return 4
+        mesh_file.write(gmsh, arguments.mesh)
     finally:
         gmsh.finalize()
     print(f"{arguments.mesh}: {n_nodes} nodes, {n_triangles} triangles, worst quality {worst:.3f}")
-    return 0
 
 
 def main(argv=None):
     arguments = parse_arguments(argv)
     try:
-        return run(arguments)
+        run(arguments)
     except BadInput as error:
         print(f"contour_mesh.py: {error}", file=sys.stderr)
         return 2
+    except OSError as error:
+        print(f"contour_mesh.py: {error}", file=sys.stderr)
+        return 4
+    return 0
 
 
 if __name__ == "__main__":

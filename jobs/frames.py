@@ -1,22 +1,25 @@
 #!/usr/bin/python3
-"""Pictures of a run: one PNG a snapshot, an animation, and a panel of six moments."""
+"""Pictures of a run: one PNG a snapshot, an animation, and a panel of six moments. Of a run in space they
+show a slice, through the needle if there is one, and beside it the capsule in perspective."""
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
 try:
-    import h5py
     import matplotlib
 
     matplotlib.use("Agg")  # no display needed
     import matplotlib.pyplot as plt
     import numpy as np
+    from matplotlib.collections import LineCollection
     from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
     from matplotlib.tri import Triangulation
     from PIL import Image
+
+    import space_view
+    from snapshots import error_words, open_run, text
 except ImportError as error:
     sys.exit(f"frames.py needs python3-h5py, python3-matplotlib and python3-pil: {error}")
 
@@ -27,138 +30,12 @@ EXAMPLES = """examples:
   jobs/frames.py out/prostate --field von_mises --every 5 --dpi 150
   jobs/frames.py out/prostate --no-gif
   jobs/frames.py out/prostate --field image
+  jobs/frames.py out/prostate3d --through 3.5 3 3 --normal x --field von_mises
 """
 
-CM = 100.0  # metres to centimetres
 DARK = "#1d2730"
 SEED = "#ff5a36"
 MAX_TRIANGLES_WITH_EDGES = 20000  # more edges would hide the colours
-# Shown name, factor and unit of the fields that have a customary unit of their own.
-SHOWN = {
-    "displacement": ("displacement", 1e3, "mm"),
-    "von_mises": ("von Mises stress", 1e-3, "kPa"),
-    "stress_xx": ("stress xx", 1e-3, "kPa"),
-    "stress_yy": ("stress yy", 1e-3, "kPa"),
-    "stress_xy": ("stress xy", 1e-3, "kPa"),
-}
-
-
-class Run:
-    """The snapshots of an output folder."""
-
-    def __init__(self, folder, field):
-        self.folder = folder
-        for name in ("snapshots.h5", "summary.json"):
-            if not (folder / name).is_file():
-                raise BadInput(f"{folder / name} is missing; is this the output folder of a run "
-                               "whose scene asks for snapshots?")
-        try:
-            self.file = h5py.File(folder / "snapshots.h5", "r")
-        except OSError as error:
-            raise BadInput(f"{folder / 'snapshots.h5'}: cannot be read: {error}") from None
-        try:
-            summary = json.loads((folder / "summary.json").read_text())
-        except (OSError, ValueError) as error:
-            raise BadInput(f"{folder / 'summary.json'}: cannot be read: {error}") from None
-        self.seeds = summary.get("seeds", [])
-        self.place = summary.get("image")
-        self.texture = None
-        self.steps = [self.file[name] for name in sorted(self.file) if name.startswith("step_")]
-        if not self.steps:
-            raise BadInput(f"{folder / 'snapshots.h5'}: holds no snapshot yet")
-        self.field = field
-        if field == "image":
-            self.read_image()
-            return
-        self.stored = "u" if field == "displacement" else field
-        if self.stored not in self.steps[0]:
-            names = [n for n, v in self.steps[0].items() if isinstance(v, h5py.Dataset)]
-            raise BadInput(f"--field {field}: the run has image, where its scene asks for one, "
-                           "displacement, " + ", ".join(names))
-        unit = text(self.steps[0][self.stored].attrs["unit"])
-        self.label, self.factor, unit = SHOWN.get(field, (field.replace("_", " "), 1.0, unit))
-        self.label += f" ({unit})" if unit else ""
-
-    def read_image(self):
-        if self.place is None:
-            raise BadInput(f"--field image: {self.folder} has none: its scene has no key 'image'")
-        with Image.open(self.folder / "image.png") as image:
-            self.texture = np.asarray(image.convert("RGB"))
-
-    def deformed_image(self, step, lower, upper):
-        """The picture where the tissue is now, on a grid between two corners in cm."""
-        height, width = self.texture.shape[:2]
-        pixel = self.place["size"][0] * CM / width
-        columns, rows = (int(np.ceil(extent / pixel)) for extent in upper - lower)
-        canvas = np.zeros((rows, columns, 3), dtype=np.uint8)
-        mesh = self.file[text(step.attrs["mesh"])]
-        places = (mesh["coordinates"][:] - self.place["origin"]) / self.place["size"]
-        places = places * [width, -height] + [0, height]  # in pixels of the picture
-        now = (self.points(step) - lower) / pixel
-        for corners in self.triangles(step):
-            warp(self.texture, places[corners], canvas, now[corners])
-        return canvas
-
-    def points(self, step):
-        """Nodes where they are now, in cm."""
-        mesh = self.file[text(step.attrs["mesh"])]
-        return (mesh["coordinates"][:] + step["u"][:, :2]) * CM
-
-    def triangles(self, step):
-        return self.file[text(step.attrs["mesh"])]["connectivity"][:]
-
-    def values(self, step):
-        values = step[self.stored][:] * self.factor
-        return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
-
-    def shape(self, step, kind, name):
-        """Points of a polyline or point set in cm, or none."""
-        found = step.get(f"{kind}/{name}")
-        return np.empty((0, 2)) if found is None else found[:] * CM
-
-    def limits(self):
-        """Colour range and axes that hold all snapshots."""
-        low, high, corners = np.inf, -np.inf, []
-        for step in self.steps:
-            points = self.points(step)
-            values = np.zeros(1) if self.texture is not None else self.values(step)
-            # The few elements at the tip may be singular; they must not take all the colours.
-            low = min(low, np.percentile(values, 0.5))
-            high = max(high, np.percentile(values, 99.5))
-            corners += [points.min(axis=0), points.max(axis=0)]
-            needle = self.shape(step, "polylines", "needle")
-            corners += list(needle)
-        if low >= 0:
-            low = 0.0
-        elif high > 0:
-            high = max(high, -low)
-            low = -high
-        if high <= low:
-            high = low + 1.0
-        corners = np.array(corners)
-        margin = 0.03 * np.ptp(corners, axis=0).max()
-        return (low, high), corners.min(axis=0) - margin, corners.max(axis=0) + margin
-
-
-def warp(source, corners, canvas, now):
-    """Copies a triangle of a picture to its place on the canvas; corners in pixels of either."""
-    edges = np.array([now[1] - now[0], now[2] - now[0]]).T
-    if np.linalg.det(edges) == 0:
-        return
-    low = np.maximum(np.floor(now.min(axis=0)).astype(int), 0)
-    high = np.minimum(np.ceil(now.max(axis=0)).astype(int), canvas.shape[1::-1])
-    x, y = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
-    second, third = np.linalg.solve(edges, np.array([x.ravel() + 0.5, y.ravel() + 0.5])
-                                    - now[0][:, None])
-    inside = (second >= -1e-9) & (third >= -1e-9) & (second + third <= 1 + 1e-9)
-    weights = np.array([1 - second - third, second, third])[:, inside]
-    column, row = (corners.T @ weights).astype(int)
-    known = (column >= 0) & (row >= 0) & (column < source.shape[1]) & (row < source.shape[0])
-    canvas[y.ravel()[inside][known], x.ravel()[inside][known]] = source[row[known], column[known]]
-
-
-def text(value):
-    return value.decode() if isinstance(value, bytes) else str(value)
 
 
 def colour_map(colours):
@@ -178,6 +55,9 @@ def draw(axes, run, step, view, *, scale=1.0, final=False):
         closed = np.vstack([membrane, membrane[:1]])
         axes.plot(*closed.T, color="white", linewidth=1.8 * scale,
                   path_effects=[withStroke(linewidth=3.2 * scale, foreground=DARK)])
+    if run.in_space:
+        axes.add_collection(LineCollection(run.outlines(step), colors="white", linewidths=1.6 * scale, path_effects=[
+            withStroke(linewidth=3 * scale, foreground=DARK)]))
     needle = run.shape(step, "polylines", "needle")
     if len(needle):
         axes.plot(*needle.T, color="#dfe5ea", linewidth=2.6 * scale, solid_capstyle="butt",
@@ -226,19 +106,19 @@ def draw_field(axes, run, step, colours, scale):
         axes.tripcolor(mesh, facecolors=values, **look)
     if len(triangles) <= MAX_TRIANGLES_WITH_EDGES:
         colour = DARK if colours[0] < 0 else "white"  # the middle of a signed field is white
-        axes.triplot(mesh, color=colour, linewidth=0.35 * scale, alpha=0.3)
+        look = {"linewidth": 0.35 * scale, "alpha": 0.3}
+        if run.in_space:  # quadrangles too
+            axes.add_collection(LineCollection(run.edges(step), colors=colour, **look))
+        else:
+            axes.triplot(mesh, color=colour, **look)
 
 
 def draw_errors(axes, run, scale):
     """From each target to its seed, with the distance that summary.json gives."""
-    for seed in run.seeds:
-        if "target_point" not in seed or seed.get("placement_error") is None:
-            continue
-        target, place = np.array(seed["target_point"]) * CM, np.array(seed["world"]) * CM
+    for seed, target, place in run.errors():
         axes.plot(*np.array([target, place]).T, color=SEED, linewidth=2 * scale, zorder=5.5,
                   path_effects=[withStroke(linewidth=3.4 * scale, foreground="white")])
-        doubt = ", not to be trusted" if seed.get("turned_over", 0) else ""  # beyond small strain
-        axes.annotate(f"{1e3 * seed['placement_error']:.1f} mm{doubt}", (target + place) / 2,
+        axes.annotate(error_words(seed), (target + place) / 2,
                       xytext=(0, 13 * scale), textcoords="offset points", ha="center",
                       fontsize=10 * scale + 1, color=DARK, zorder=7,
                       bbox={"boxstyle": "round,pad=0.25", "facecolor": "white",
@@ -261,17 +141,30 @@ def size_of_axes(view, width):
     return width, width * extent[1] / extent[0]
 
 
+def name_axes(axes, run, *, along=True, up=True):
+    if along:
+        axes.set_xlabel(run.labels[0])
+    if up:
+        axes.set_ylabel(run.labels[1])
+
+
 def write_frames(run, steps, view, folder, dpi):
     """Returns the paths of the pictures."""
     width, height = size_of_axes(view, 6.6)
-    figure, axes = plt.subplots(figsize=(width + 1.9, height + 1.0), layout="constrained")
+    figure = plt.figure(figsize=((1.9 if run.in_space else 1) * width + 1.9, height + 1.0), layout="constrained")
+    axes = figure.add_subplot(1, 2 if run.in_space else 1, 1)
     add_colourbar(figure, axes, run, view, pad=0.02, fraction=0.046)
+    if run.in_space:
+        perspective, extent = figure.add_subplot(1, 2, 2, projection="3d"), space_view.bounds(run)
     paths = []
     for i, step in enumerate(steps):
         axes.clear()
-        draw(axes, run, step, view, final=step == run.steps[-1])
-        axes.set_xlabel("x (cm)")
-        axes.set_ylabel("y (cm)")
+        final = step == run.steps[-1]
+        draw(axes, run, step, view, final=final)
+        name_axes(axes, run)
+        if run.in_space:
+            axes.set_title("   ".join([axes.get_title(), run.labels[2]]), fontsize=12, color=DARK)
+            space_view.draw(perspective, run, step, extent, (DARK, SEED), final=final)
         paths.append(folder / f"frame_{i:04d}.png")
         figure.savefig(paths[-1], dpi=dpi)
     plt.close(figure)
@@ -313,12 +206,27 @@ def write_panel(run, view, target, dpi):
         draw(axes, run, step, view, scale=0.8, final=i == 5)
         axes.set_title(f"({'abcdef'[i]})  " + axes.get_title(), fontsize=10, color=DARK)
     for axes in grid[1]:
-        axes.set_xlabel("x (cm)")
+        name_axes(axes, run, up=False)
     for axes in grid[:, 0]:
-        axes.set_ylabel("y (cm)")
+        name_axes(axes, run, along=False)
     add_colourbar(figure, grid, run, view, pad=0.01, fraction=0.03, aspect=30)
     figure.savefig(target, dpi=dpi)
     plt.close(figure)
+
+
+def direction_of(words):
+    """--normal as a vector, or None."""
+    if words is None:
+        return None
+    if len(words) == 1 and words[0] in ("x", "y", "z"):
+        return np.eye(3)["xyz".index(words[0])]
+    try:
+        direction = np.array([float(word) for word in words])
+    except ValueError:
+        direction = np.empty(0)
+    if len(direction) != 3 or not np.all(np.isfinite(direction)):
+        raise BadInput(f"--normal {' '.join(words)}; allowed: x, y, z or three numbers")
+    return direction
 
 
 def main():
@@ -327,6 +235,11 @@ def main():
     parser.add_argument("outdir", type=Path, help="output folder of a run; pictures go to OUTDIR/frames")
     parser.add_argument("--field", default="displacement",
                         help="displacement (default), image, von_mises or another stored field")
+    parser.add_argument("--through", type=float, nargs=3, metavar=("X", "Y", "Z"),
+                        help="of a run in space: a point of the slice (cm; default: the needle's tip, else the "
+                        "middle of the smallest region)")
+    parser.add_argument("--normal", nargs="+", metavar="N", help="x, y, z or three numbers: the slice is across it "
+                        "(default: along the needle's axis, and across z)")
     parser.add_argument("--every", type=int, default=1, metavar="N", help="every Nth snapshot")
     parser.add_argument("--dpi", type=int, default=110, help="resolution (default 110)")
     parser.add_argument("--no-gif", action="store_true", help="no animation")
@@ -334,7 +247,7 @@ def main():
     if options.every < 1 or options.dpi < 1:
         parser.error("--every and --dpi must be at least 1")
     try:
-        run = Run(options.outdir, options.field)
+        run = open_run(options.outdir, options.field, options.through, direction_of(options.normal))
         view = run.limits()
         folder = options.outdir / "frames"
         folder.mkdir(exist_ok=True)

@@ -145,6 +145,9 @@ def wanted_view(options):
         steps = [file[name] for name in sorted(file) if name.startswith("step_")]
         if not steps:
             raise BadInput(f"{options.outdir / 'snapshots.h5'}: holds no snapshot yet")
+        if file[steps[0].attrs["mesh"]]["coordinates"].shape[1] == 3:
+            raise BadInput(f"{options.outdir}: is a run in space, whose pictures are those of frames.py; ParaView opens "
+                           f"{options.outdir / 'snapshots.xdmf'} itself")
         stored = "u" if options.field == "displacement" else options.field
         if not isinstance(steps[0].get(stored), h5py.Dataset):
             names = [name for name, item in steps[0].items() if isinstance(item, h5py.Dataset)]

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Meshes the contour of a real prostate and runs input/patient.yaml in it.
-# patient.sh [CONTOUR.csv [options of stylet run]]; the contour is not part of the source tree.
-# STYLET names the program if it is not build/stylet. Exit code 77: the contour or the mesher is missing.
+# Meshes a real prostate and runs a scene in it: input/patient.yaml in a contour, input/patient3d.yaml in
+# a surface. patient.sh [CONTOUR.csv or SURFACE.stl [options of stylet run]]; neither is part of the source
+# tree. STYLET names the program if it is not build/stylet. Exit code 77: the file or the mesher is missing.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
-contour=${1:-$root/../shared/data/prostate-0464-sagittal.csv}
+outline=${1:-$root/../shared/data/prostate-0464-sagittal.csv}
 shift || true
 program=${STYLET:-$root/build/stylet}
-if [ ! -r "$contour" ]; then
-  say "$contour: cannot be read; name another contour, with the header x_m,y_m" >&2
+if [ ! -r "$outline" ]; then
+  say "$outline: cannot be read; name a contour with the header x_m,y_m (.csv), or a surface in mm (.stl)" >&2
   exit 77
 fi
 if [ ! -x "$program" ]; then
@@ -20,8 +20,16 @@ if ! /usr/bin/python3 -c 'import gmsh' 2>/dev/null; then
   say "the mesher is missing: apt-get install python3-gmsh" >&2
   exit 77
 fi
-# A tumour of 16 x 12 mm in the lower half; 20 mm of tissue around the gland.
 mkdir -p "$root/out"
-/usr/bin/python3 "$root/jobs/contour_mesh.py" "$contour" "$root/out/patient.msh" --force \
-  --size 0.003 --margin 0.02 --tumour 0.012 -0.008 0.016 0.012
-"$program" run "$root/input/patient.yaml" "$@"
+case "$outline" in
+  *.[sS][tT][lL])
+    # x points to the apex (inferior), y to anterior, z to the patient's right; 20 mm of tissue all round.
+    scene=patient3d
+    make=(surface_mesh.py --unit mm --axes IAR --centre --size 0.004 --outer-size 0.010 --margin 0.02) ;;
+  *)
+    # A tumour of 16 x 12 mm in the lower half; 20 mm of tissue around the gland.
+    scene=patient
+    make=(contour_mesh.py --size 0.003 --margin 0.02 --tumour 0.012 -0.008 0.016 0.012) ;;
+esac
+/usr/bin/python3 "$root/jobs/${make[0]}" "$outline" "$root/out/$scene.msh" --force "${make[@]:1}"
+"$program" run "$root/input/$scene.yaml" "$@"

@@ -22,6 +22,7 @@ except ImportError as error:
     sys.exit(f"report.py needs python3-numpy and python3-matplotlib: {error}")
 
 import frames
+from snapshots import open_run
 from study_picture import COLOURS, DARK, read_json, style
 
 EXAMPLES = """examples:
@@ -183,7 +184,7 @@ def moments(folder, field):
     if not (folder / "snapshots.h5").is_file():
         return "<p>The scene asks for no snapshots (<code>output.snapshots</code>).</p>"
     try:
-        run = frames.Run(folder, field)
+        run = open_run(folder, field)
     except BadInput as error:
         if "holds no snapshot yet" not in str(error):
             raise
