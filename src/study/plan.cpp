@@ -79,7 +79,7 @@ class Planner {
       const Values best = minimise(variables, n, before.size());
       const auto spread = jitter(variables, best, n);
       const Values after = residuals(variables, best, n);
-      const double wanted = options_.tolerance / unit * std::sqrt(0.5 * double(after.size()));
+      const double wanted = options_.tolerance / unit * std::sqrt(double(after.size()) / double(dim()));
       if (std::sqrt(std::inner_product(after.begin(), after.end(), after.begin(), 0.0)) > wanted) {
         for (const auto& end : variables.at_ends(best)) {
           plan.shortfalls.push_back(scene_.needles[n].name + ": " + end);
@@ -93,12 +93,8 @@ class Planner {
       std::size_t k = 0;
       for (const Action& action : scene_.needles[n].motion) {
         if (action.kind != ActionKind::implant || action.target.empty()) continue;
-        PlannedSeed seed{scene_.needles[n].name,
-                         action.target,
-                         unit * std::hypot(before[2 * k], before[2 * k + 1]),
-                         unit * std::hypot(after[2 * k], after[2 * k + 1]),
-                         spread[k],
-                         {}};
+        PlannedSeed seed{scene_.needles[n].name, action.target, distance_of(before, k),
+                         distance_of(after, k),  spread[k],     {}};
         if (options_.accuracy) {
           const auto quantity = "seeds." + std::to_string(plan.seeds.size()) + ".placement_error";
           seed.uncertainty = options_.accuracy->of(quantity, scene_.mesh.refine, scene_.time.step);
@@ -121,7 +117,17 @@ class Planner {
   }
 
  private:
-  /// Vectors from targets to seeds (mm), two numbers a seed of this needle.
+  /// Of the k-th seed (m).
+  [[nodiscard]] double distance_of(const Values& misses, std::size_t k) const {
+    const double x = misses[dim() * k];
+    const double y = misses[dim() * k + 1];
+    return unit * (dim() == 2 ? std::hypot(x, y) : std::hypot(std::hypot(x, y), misses[3 * k + 2]));
+  }
+
+  /// Numbers of a seed's miss.
+  [[nodiscard]] std::size_t dim() const { return static_cast<std::size_t>(scene_.dim()); }
+
+  /// Vectors from targets to seeds (mm), two or three numbers a seed of this needle.
   Values residuals(const PlanVariables& variables, const Values& values, std::size_t needle) {
     if (const auto known = known_.find({needle, values}); known != known_.end()) {
       return known->second;
@@ -168,10 +174,11 @@ class Planner {
       if (seed.needle != needle || seed.target.empty()) continue;
       const auto& targets = simulation.scene().targets;
       const auto target = std::ranges::find(targets, seed.target, &Target::name);
-      const Vector2 at_rest{places[i].x.x - target->point.x, places[i].x.y - target->point.y};
-      const Vector2 at_end{world[i].x - target->point.x, world[i].y - target->point.y};
-      const Vector2 miss = shortcut_ ? at_rest : at_end;
-      result.insert(result.end(), {miss.x / unit, miss.y / unit});
+      const ReferencePlace there = target->point.place();
+      const WorldPlace at_end{world[i].x - there.x, world[i].y - there.y, world[i].z - there.z};
+      const Vector3 at_rest = places[i].x - there;
+      const Vector3 miss = shortcut_ ? at_rest : Vector3{at_end.x, at_end.y, at_end.z};
+      for (std::size_t k = 0; k < dim(); ++k) result.push_back(component(miss, k) / unit);
     }
     return result;
   }
@@ -250,7 +257,7 @@ class Planner {
     check(TaoSetResidualRoutine(tao.get(), f.get(), evaluate, &function));
     check(TaoSetMaximumFunctionEvaluations(tao.get(), options_.most_runs));
     const double tolerance = options_.tolerance / unit;
-    const double n_seeds = static_cast<double>(n_residuals) / 2;
+    const double n_seeds = static_cast<double>(n_residuals) / static_cast<double>(dim());
     check(TaoSetFunctionLowerBound(tao.get(), n_seeds * tolerance * tolerance));
     check(PetscOptionsSetValue(nullptr, "-plan_tao_pounders_delta", exact(radius).c_str()));
     check(TaoSetFromOptions(tao.get()));
@@ -271,7 +278,7 @@ class Planner {
                              const Values& best,
                              std::size_t needle) {
     const Values middle = residuals(variables, best, needle);
-    std::vector<double> squares(middle.size() / 2, 0.0);
+    std::vector<double> squares(middle.size() / dim(), 0.0);
     const std::size_t n_shifted = variables.size() - (options_.speeds ? 1 : 0);
     for (std::size_t v = 0; v < n_shifted; ++v) {
       Values up = best;
@@ -282,9 +289,12 @@ class Planner {
       const Values below = residuals(variables, down, needle);
       // A smooth dependence cancels to second order in the mean of both sides.
       for (std::size_t k = 0; k < squares.size(); ++k) {
-        const double x = 0.5 * (above[2 * k] + below[2 * k]) - middle[2 * k];
-        const double y = 0.5 * (above[2 * k + 1] + below[2 * k + 1]) - middle[2 * k + 1];
-        squares[k] += (x * x + y * y) / 1.5 / static_cast<double>(n_shifted);
+        double square = 0;
+        for (std::size_t i = dim() * k; i < dim() * (k + 1); ++i) {
+          const double x = 0.5 * (above[i] + below[i]) - middle[i];
+          square += x * x;
+        }
+        squares[k] += square / 1.5 / static_cast<double>(n_shifted);
       }
     }
     for (double& value : squares) value = unit * std::sqrt(value);

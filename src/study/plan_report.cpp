@@ -28,8 +28,15 @@ void print(const Plan& plan, const Scene& given) {
   for (std::size_t n = 0; n < given.needles.size(); ++n) {
     const auto& before = given.needles[n];
     const auto& after = plan.scene.needles[n];
-    std::printf("%s: height %.3f -> %.3f mm\n", after.name.c_str(), 1e3 * before.height,
-                1e3 * after.height);
+    if (given.dim() == 2) {
+      std::printf("%s: height %.3f -> %.3f mm\n", after.name.c_str(), 1e3 * before.height,
+                  1e3 * after.height);
+    } else if (after.space.target) {
+      const auto e = after.space.entry->place();
+      const auto t = after.space.target->place();
+      std::printf("%s: from (%.3f, %.3f, %.3f) to (%.3f, %.3f, %.3f) mm\n", after.name.c_str(),
+                  1e3 * e.x, 1e3 * e.y, 1e3 * e.z, 1e3 * t.x, 1e3 * t.y, 1e3 * t.z);
+    }
     for (std::size_t i = 0; i < after.motion.size(); ++i) {
       const Action& a = before.motion[i];
       const Action& b = after.motion[i];

@@ -1,5 +1,7 @@
 #include "stylet/study/plan_variables.hpp"
 
+#include "stylet/needle/embedded_track.hpp"
+
 #include <algorithm>
 
 namespace stylet {
@@ -23,7 +25,8 @@ PlanVariables::PlanVariables(const Scene& scene, std::size_t needle, const PlanO
       stops_.push_back(stop);
     }
   }
-  has_height_ = options.height_range > 0;
+  const std::size_t in_space = stops_.size() > 1 ? 4 : 2;
+  if (options.height_range > 0) n_across_ = scene.dim() == 2 ? 1 : in_space;
   if (options.speeds) {
     const auto [low, high] = *options.speeds;
     const auto insert = std::ranges::find(motion, ActionKind::insert, &Action::kind);
@@ -39,7 +42,7 @@ PlanVariables::Values PlanVariables::start() const {
 
 PlanVariables::Values PlanVariables::bounds(double sign) const {
   Values values(stops_.size(), sign * options_.depth_range / unit);
-  if (has_height_) values.push_back(sign * options_.height_range / unit);
+  values.resize(stops_.size() + n_across_, sign * options_.height_range / unit);
   if (options_.speeds) values.push_back(sign < 0 ? 0.0 : speed_scale);
   return values;
 }
@@ -54,13 +57,32 @@ std::vector<std::string> PlanVariables::at_ends(const Values& values) const {
     if (room > close * (high[i] - low[i])) continue;
     if (i < stops_.size()) {
       names.push_back("the stop of motion." + std::to_string(stops_[i]) + " (--depth-range)");
-    } else if (has_height_ && i == stops_.size()) {
-      names.emplace_back("the height (--height-range)");
+    } else if (i < stops_.size() + n_across_) {
+      names.emplace_back(n_across_ == 1 ? "the height (--height-range)"
+                                        : "the way across (--height-range)");
     } else {
       names.emplace_back("the speed (--speed-range)");
     }
   }
   return names;
+}
+
+void PlanVariables::shift(NeedleParameters& needle, const double* across) const {
+  constexpr double in_front = 0.02;  // m, so that a shifted entry still lies before the skin
+  SpaceParameters& space = needle.space;
+  const ReferencePlace entry = space.entry->place();
+  Vector3 way = space.target ? space.target->place() - entry : space.direction->vector();
+  way = 1 / norm(way) * way;
+  double deepest = 0;
+  for (const Action& action : needle.motion) deepest = std::max(deepest, action.depth.value_or(0));
+  const ReferencePlace end = space.target ? space.target->place() : entry + deepest * way;
+  const auto [a, b] = across_of(way);
+  const Vector3 all = unit * across[0] * a + unit * across[1] * b;
+  const Vector3 far = n_across_ > 2 ? unit * across[2] * a + unit * across[3] * b : Vector3{};
+  const auto given = [](ReferencePlace x) { return Components{x.x, x.y, x.z}; };
+  space.entry = given(entry + all + -in_front * way);
+  space.target = given(end + all + far);
+  space.direction.reset();
 }
 
 void PlanVariables::apply(const Values& values, Scene& scene) const {
@@ -70,7 +92,8 @@ void PlanVariables::apply(const Values& values, Scene& scene) const {
     if (action.position) *action.position += unit * values[i];
     if (action.depth) *action.depth -= unit * values[i];  // needles advance towards -x
   }
-  if (has_height_) needle.height += unit * values[stops_.size()];
+  if (n_across_ == 1) needle.height += unit * values[stops_.size()];
+  if (n_across_ > 1) shift(needle, &values[stops_.size()]);
   if (!options_.speeds) return;
   const auto [low, high] = *options_.speeds;
   for (Action& action : needle.motion) {

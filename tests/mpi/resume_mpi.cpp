@@ -198,9 +198,10 @@ TEST(ResumeInSpace, GoesOnWithTheSameBits) {
 }
 
 TEST(ResumeInSpace, NeedlesGoOnWithTheSameBits) {
-  for (const std::string time : {"{method: implicit, step: 5 ms}",
-                                 "{method: implicit, scheme: average_acceleration, step: 5 ms}",
-                                 "{method: quasi_static, step: 5 ms}"}) {
+  for (const std::string time :
+       {"{method: implicit, step: 5 ms}",
+        "{method: implicit, scheme: average_acceleration, step: 5 ms}",
+        "{method: explicit, step: 5 ms}", "{method: quasi_static, step: 5 ms}"}) {
     const Scene scene = scene_of(needles_in_space, {"time=" + time});
     const int steps = interrupt_every_step(
         [&] { return std::make_unique<Simulation>(MPI_COMM_WORLD, scene, true); });

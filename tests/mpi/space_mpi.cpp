@@ -77,7 +77,8 @@ TEST(SpaceMpi, RunsAreTheSameOnAnyNumberOfRanks) {
 
 TEST(SpaceMpi, NeedlesAreTheSameOnAnyNumberOfRanks) {
   for (const std::string time :
-       {"{method: quasi_static, step: 5 ms}", "{method: implicit, step: 5 ms}"}) {
+       {"{method: quasi_static, step: 5 ms}", "{method: implicit, step: 5 ms}",
+        "{method: explicit, step: 5 ms}"}) {
     const Scene given = scene_of(needles_in_space, {"time=" + time});
     Simulation all(MPI_COMM_WORLD, given, true);
     Simulation alone(MPI_COMM_SELF, given, true);

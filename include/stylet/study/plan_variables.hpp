@@ -10,8 +10,9 @@
 
 namespace stylet {
 
-/// Shifts of one needle's stops before implants and of its height, in millimetres, and the speed of its
-/// inserts as a share of its range.
+/// Shifts of one needle's stops before implants and of its way across, in millimetres, and the speed of its
+/// inserts as a share of its range. Across: its height; in space its axis, in both directions, and where it has
+/// more than one stop also its far end alone.
 class PlanVariables {
  public:
   using Values = std::vector<double>;
@@ -21,7 +22,7 @@ class PlanVariables {
   PlanVariables(const Scene& scene, std::size_t needle, const PlanOptions& options);
 
   [[nodiscard]] std::size_t size() const {
-    return stops_.size() + (has_height_ ? 1 : 0) + (options_.speeds ? 1 : 0);
+    return stops_.size() + n_across_ + (options_.speeds ? 1 : 0);
   }
   [[nodiscard]] bool empty() const { return stops_.empty(); }
   [[nodiscard]] Values start() const;
@@ -34,10 +35,12 @@ class PlanVariables {
  private:
   static constexpr double speed_scale = 10;  // like millimetres for the trust region
 
+  void shift(NeedleParameters& needle, const double* across) const;
+
   std::size_t needle_;
   const PlanOptions& options_;
   std::vector<std::size_t> stops_;
-  bool has_height_ = false;
+  std::size_t n_across_ = 0;
   double start_speed_ = 0;
 };
 
