@@ -92,8 +92,7 @@ class SnapshotWriter::File {
   void store_points(hid_t group,
                     const std::string& group_name,
                     const std::string& name,
-                    const std::vector<std::array<double, 3>>& points,
-                    int dim,
+                    const SnapshotPoints& points,
                     XdmfGrid::Shape shape);
   [[nodiscard]] StoredArray stored(const std::string& name, int n_rows, int columns, bool integer) {
     return {"/" + step_name_ + "/" + name, n_rows, columns, integer};
@@ -316,15 +315,14 @@ void SnapshotWriter::File::write_shapes(hid_t step, const Snapshot& snapshot) {
   if (!snapshot.polylines.empty()) {
     const Hdf5Id group = create_group(step, "polylines");
     for (const Polyline& line : snapshot.polylines) {
-      store_points(group.get(), "polylines", line.name, line.points, snapshot.dim,
+      store_points(group.get(), "polylines", line.name, line.points,
                    line.closed ? XdmfGrid::Shape::closed_polyline : XdmfGrid::Shape::polyline);
     }
   }
   if (!snapshot.point_sets.empty()) {
     const Hdf5Id group = create_group(step, "point_sets");
     for (const PointSet& set : snapshot.point_sets) {
-      store_points(group.get(), "point_sets", set.name, set.points, snapshot.dim,
-                   XdmfGrid::Shape::points);
+      store_points(group.get(), "point_sets", set.name, set.points, XdmfGrid::Shape::points);
     }
   }
 }
@@ -332,10 +330,10 @@ void SnapshotWriter::File::write_shapes(hid_t step, const Snapshot& snapshot) {
 void SnapshotWriter::File::store_points(hid_t group,
                                         const std::string& group_name,
                                         const std::string& name,
-                                        const std::vector<std::array<double, 3>>& points,
-                                        int dim,
+                                        const SnapshotPoints& points,
                                         XdmfGrid::Shape shape) {
   if (points.empty()) return;
+  const int dim = tissue_.points.n_columns;
   std::vector<double> values;
   for (const auto& point : points) values.insert(values.end(), point.begin(), point.begin() + dim);
   const std::string path = group_name + "/" + name;
@@ -344,8 +342,7 @@ void SnapshotWriter::File::store_points(hid_t group,
     set_attribute(points_.at(path).array.get(), "closed",
                   shape == XdmfGrid::Shape::closed_polyline ? 1ULL : 0ULL);
   }
-  shapes_.push_back(
-      {name, shape, stored(path, static_cast<int>(points.size()), dim, false), {}, {}});
+  shapes_.push_back({name, shape, stored(path, int(points.size()), dim, false), {}, {}});
 }
 
 void SnapshotWriter::File::tell(const Snapshot& snapshot) {

@@ -63,7 +63,10 @@ std::vector<Place> places(const Simulation& simulation, Numbers& numbers) {
     add("membrane.puncture_force", "membrane.puncture_force", Reach::membrane,
         numbers.membrane->puncture_force);
   }
+  // What a track in space adds in closed form is of the tissue that it was made in.
+  const bool has_tracks = scene.dim() == 3 && simulation.pierces();
   for (auto& region : numbers.tissue.regions) {
+    if (has_tracks) break;
     add(below("tissue.regions", region.region) + ".youngs_modulus",
         "tissue.regions.REGION.youngs_modulus", Reach::tissue, region.material.youngs_modulus);
   }

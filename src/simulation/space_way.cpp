@@ -12,7 +12,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
 
 namespace stylet {
 
@@ -30,24 +29,16 @@ Line line_of(const NeedleParameters& needle) {
   return {start, 1 / norm(way) * way};
 }
 
-/// A side of the tissue (a face of one cell).
-struct Side {
-  std::array<int, 3> nodes;
-};
-
-std::vector<Side> sides_near(const Mesh& mesh, ReferencePlace x, double radius) {
-  std::set<int> cells;
-  for (int node = 0; node < mesh.n_nodes(); ++node) {
-    if (distance(mesh.place(node), x) > radius) continue;
-    cells.insert(mesh.cells_around(node).begin(), mesh.cells_around(node).end());
-  }
-  if (const auto at = locate(mesh, x)) cells.insert(at->cell);
-  std::vector<Side> sides;
-  for (const int c : cells) {
+/// Sides of the tissue that come nearer to x than `radius`.
+std::vector<SurfaceTriangle> sides_near(const Mesh& mesh, ReferencePlace x, double radius) {
+  std::vector<SurfaceTriangle> sides;
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const auto n = mesh.cell(c);
+    if (std::ranges::count_if(n, [&](int node) { return mesh.on_boundary(node); }) < 3) continue;
     for (std::size_t k = 0; k < 4; ++k) {
-      if (mesh.beyond(c, k)) continue;
-      const auto n = mesh.cell(c);
-      sides.push_back({{n[(k + 1) % 4], n[(k + 2) % 4], n[(k + 3) % 4]}});
+      const auto corner = [&](std::size_t i) { return mesh.place(n[(k + i) % 4]); };
+      const SurfaceTriangle side{corner(1), corner(2), corner(3)};
+      if (distance(nearest_point(side, x), x) < radius && !mesh.beyond(c, k)) sides.push_back(side);
     }
   }
   return sides;
@@ -58,30 +49,19 @@ bool is_below_plane_skin(const Mesh& mesh, const NeedlePath& path, double radius
   constexpr double flat = 0.02;  // of the radius
   constexpr double least_cosine = 0.76;
   const auto sides = sides_near(mesh, path.skin_point, radius);
-  const auto corner = [&](const Side& side, std::size_t k) { return mesh.place(side.nodes[k]); };
-  Vector3 normal;
-  double nearest = radius;
-  for (const Side& side : sides) {
-    const Vector3 n = cross(corner(side, 1) - corner(side, 0), corner(side, 2) - corner(side, 0));
-    const ReferencePlace centre =
-        corner(side, 0) +
-        1.0 / 3 * ((corner(side, 1) - corner(side, 0)) + (corner(side, 2) - corner(side, 0)));
-    const double away = distance(centre, path.skin_point);
-    const double off = std::abs(dot(path.skin_point - centre, n)) / norm(n);
-    if (off > flat * radius || away >= nearest) continue;
-    nearest = away;
-    normal = 1 / norm(n) * n;
-  }
+  const auto away = [&](const SurfaceTriangle& side) {
+    return distance(nearest_point(side, path.skin_point), path.skin_point);
+  };
+  const auto entered = std::ranges::min_element(sides, {}, away);
+  if (entered == sides.end()) return false;
+  const auto& [a, b, c] = *entered;
+  const Vector3 across = cross(b - a, c - a);
+  const Vector3 normal = 1 / norm(across) * across;
   if (std::abs(dot(normal, path.direction)) < least_cosine) return false;
-  return std::ranges::all_of(sides, [&](const Side& side) {
-    bool reached = false;
-    bool in_plane = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3 from = corner(side, k) - path.skin_point;
-      reached = reached || norm(from) < radius;
-      in_plane = in_plane && std::abs(dot(from, normal)) < flat * radius;
-    }
-    return in_plane || !reached;
+  return std::ranges::all_of(sides, [&](const SurfaceTriangle& side) {
+    return std::ranges::all_of(side, [&](ReferencePlace x) {
+      return std::abs(dot(x - path.skin_point, normal)) < flat * radius;
+    });
   });
 }
 

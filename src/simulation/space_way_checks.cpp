@@ -1,41 +1,19 @@
 // Needles in space that have no answer, and why.
 #include "stylet/base/text.hpp"
+#include "stylet/mesh/embedded_point.hpp"
 #include "stylet/needle/stops.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/space_way.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace stylet {
 
 namespace {
-
-// The point of a triangle that is nearest to p (after Ericson, Real-Time Collision Detection, sec. 5.1.5).
-ReferencePlace nearest(const SurfaceTriangle& triangle, ReferencePlace p) {
-  const auto& [a, b, c] = triangle;
-  const Vector3 ab = b - a;
-  const Vector3 ac = c - a;
-  const double d1 = dot(ab, p - a);
-  const double d2 = dot(ac, p - a);
-  if (d1 <= 0 && d2 <= 0) return a;
-  const double d3 = dot(ab, p - b);
-  const double d4 = dot(ac, p - b);
-  if (d3 >= 0 && d4 <= d3) return b;
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  const double d5 = dot(ab, p - c);
-  const double d6 = dot(ac, p - c);
-  if (d6 >= 0 && d5 <= d6) return c;
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  const double sum = va + vb + vc;
-  return a + vb / sum * ab + vc / sum * ac;
-}
 
 struct Side {
   SurfaceTriangle triangle;
@@ -89,7 +67,7 @@ void check_distances(const Scene& scene,
     for (const Side& side : sides) {
       const bool is_skin =
           side.held.empty() && depth < 2 * radius && dot(side.outward, path.direction) < facing;
-      const double away = is_skin ? radius : distance(nearest(side.triangle, x), x);
+      const double away = is_skin ? radius : distance(nearest_point(side.triangle, x), x);
       if (away >= least) continue;
       least = away;
       nearest_side = &side;
@@ -99,11 +77,34 @@ void check_distances(const Scene& scene,
     refuse_needle(
         scene, needle, "kernel_radius",
         "comes within " + brief(1e3 * least) + " mm of the tissue's surface at " +
-            point_text(scene, nearest(triangle, x)) +
+            point_text(scene, nearest_point(triangle, x)) +
             (held.empty() ? "" : ", which is held (" + held + ")") + ", " + brief(1e3 * depth) +
             " mm behind its entry point; allowed: a kernel_radius smaller than that, or a "
             "way farther from it");
   }
+}
+
+// What the mesh cannot carry has no meaning beside what the kernel leaves out.
+void check_elements(const Scene& scene,
+                    const Mesh& mesh,
+                    const NeedleParameters& needle,
+                    const NeedlePath& path) {
+  constexpr double widest = 2.5;  // element of a kernel's radius; 4 % of the drag is lost at 1
+  const double radius = needle.space.kernel_radius;
+  double largest = 0;
+  int cell = 0;
+  for (double depth = radius / 2; depth < path.deepest; depth += radius / 2) {
+    const auto found = locate(mesh, path.skin_point + depth * path.direction, cell);
+    if (!found) continue;
+    cell = found->cell;
+    largest = std::max(largest, std::cbrt(6 * mesh.cell_measure(cell)));
+  }
+  if (largest <= widest * radius) return;
+  refuse_needle(scene, needle, "kernel_radius",
+                "leads through elements of " + brief(1e3 * largest) +
+                    " mm, which cannot carry a force over a disc of " + brief(1e3 * radius) +
+                    " mm; allowed: at least " + brief(1e3 * largest / widest) +
+                    " mm, better twice the elements, or a finer mesh");
 }
 
 // A tip that is not in would push with all of its force on a point.
@@ -154,6 +155,7 @@ void check_ways(const Scene& scene, const Mesh& mesh) {
     }
     check_membrane(scene, mesh, needle, path);
     check_distances(scene, sides, needle, path);
+    check_elements(scene, mesh, needle, path);
     static_cast<void>(make_path(scene, mesh, needle, {}));
   }
 }

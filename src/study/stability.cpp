@@ -308,6 +308,11 @@ Stability stability(MPI_Comm comm, const Scene& scene, const StabilityOptions& o
   if (scene.procedure) {
     refuse_key(scene, "procedure", "stability takes other steps; allowed: a scene with needles");
   }
+  if (scene.dim() == 3 && !scene.needles.empty()) {
+    refuse_key(scene, "needles",
+               "in space they leave mesh and operator as they are, and the stable step with them; "
+               "allowed: the scene without needles");
+  }
   Study study(comm, scene, options, result);
   OutputFolder folder(comm, result.folder,
                       {"stability", {"stability.csv", "stability_implicit.csv"}, {}},

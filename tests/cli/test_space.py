@@ -229,13 +229,17 @@ class Space(CliTest):
 
     def test_what_is_of_the_plane(self):
         self.refuse(["needles=[{height: 1 cm, cutting: {cutting_force: 1 N}, motion: [{insert: "
-                     "{speed: 1 cm/s, depth: 1 cm}}]}]"], "needles.0.height", "only with tissue.plane")
+                     "{speed: 1 cm/s, depth: 1 cm}}]}]"], "tissue.plane", "needles have height")
         self.refuse("procedure={file: p.csv}", "key 'procedure'", "not yet in space")
         self.refuse("targets={t: [1 cm, 1 cm]}", "key 'targets.t'", "[x, y, z]")
         self.refuse("image={}", "key 'image'", "not yet in space")
         self.refuse("needle_angle=90 deg", "key 'needle_angle'", "only with tissue.plane")
         for verb in ("tradeoff", "plan"):
             self.assert_refused(self.stylet(verb, "scene.yaml"), "scene.yaml")
+
+    def test_needles_have_no_stable_step_of_their_own(self):
+        outcome = self.stylet("stability", SOURCE / "input/prostate3d.yaml", "--output", "stable")
+        self.assert_refused(outcome, "needles", "stable step")
 
     def test_tissue_that_nothing_holds(self):
         self.refuse("supports={left: roller, bottom: roller}", "key 'supports'", "moving along z")

@@ -139,6 +139,8 @@ TEST(NeedleInSpace, WhatHasNoAnswerIsRefused) {
            {{"needles.0.height=2 cm"}, {"needles.0.height", "only with tissue.plane"}},
            {{"needles.0.kernel_radius=null"}, {"needles.0.kernel_radius", "required in space"}},
            {{"needles.0.kernel_radius=0.7 mm"}, {"needles.0.kernel_radius", "1.3 times"}},
+           {{"needles.0.kernel_radius=2 mm"},
+            {"needles.0.kernel_radius", "leads through elements"}},
            {{"needles.0.kernel_radius=19.5 mm"},
             {"needles.0.kernel_radius", "of the tissue's surface"}},
            {{"supports.back=fixed", "needles.0.kernel_radius=19.5 mm"},
@@ -166,6 +168,13 @@ TEST(NeedleInSpace, WhatHasNoAnswerIsRefused) {
   EXPECT_EQ(refusal_of({}), "none");
 }
 
+TEST(NeedleInSpace, TissueDoesNotChangeAroundATrack) {
+  Simulation simulation(MPI_COMM_WORLD, scene_of(needles_in_space, {quasi_static}), false);
+  simulation.step();
+  EXPECT_THROW(simulation.change("tissue.regions.gland.youngs_modulus", 50e3), InputError);
+  EXPECT_NO_THROW(simulation.change("needle.cutting.cutting_force", 1.5));
+}
+
 TEST(NeedleInSpace, WhatTheNearFieldDoesNotKnowIsSaid) {
   const auto notes_with = [](const std::vector<std::string>& changes) {
     std::vector<std::string> all{quasi_static};
@@ -177,6 +186,8 @@ TEST(NeedleInSpace, WhatTheNearFieldDoesNotKnowIsSaid) {
     return text;
   };
   EXPECT_THAT(notes_with({}), testing::Not(HasSubstr("kernel's edge")));
+  // A plane of triangles larger than the kernel.
+  EXPECT_THAT(notes_with({"needles.0.kernel_radius=4 mm"}), testing::Not(HasSubstr("is no plane")));
   EXPECT_THAT(notes_with({"tissue.regions.gland.youngs_modulus=90 kPa"}),
               HasSubstr("kernel's edge"));
   EXPECT_THAT(notes_with({"needles.1.target=[4.5 cm, 3.2 cm, 2.2 cm]",

@@ -45,17 +45,20 @@ struct FlagField {
   std::vector<int> values;
 };
 
+/// m; z is of space only.
+using SnapshotPoints = std::vector<std::array<double, 3>>;
+
 /// The same on all ranks. Without points it is left out.
 struct Polyline {
   std::string name;
-  std::vector<std::array<double, 3>> points;  ///< m; z of space only
+  SnapshotPoints points;
   bool closed = false;
 };
 
 /// The same on all ranks. Without points it is left out.
 struct PointSet {
   std::string name;
-  std::vector<std::array<double, 3>> points;  ///< m; z of space only
+  SnapshotPoints points;
 };
 
 struct Snapshot {

@@ -72,5 +72,25 @@ TEST(SurfaceCrossings, NoneIsMissedThroughCornersAndEdges) {
   }
 }
 
+TEST(SurfaceCrossings, TheNearestPointOfATriangle) {
+  const SurfaceTriangle triangle{ReferencePlace{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> number(-3, 3);
+  for (int i = 0; i < 200; ++i) {
+    const ReferencePlace p{number(random), number(random), number(random)};
+    const double found = distance(nearest_point(triangle, p), p);
+    double least = 1e300;
+    constexpr int n = 60;
+    for (int k = 0; k <= n; ++k) {
+      for (int m = 0; m + k <= n; ++m) {
+        const ReferencePlace x{2.0 * k / n, 1.0 * m / n, 0};
+        least = std::min(least, distance(x, p));
+      }
+    }
+    EXPECT_LE(found, least + 1e-12);
+    EXPECT_GT(found, least - 0.03);
+  }
+}
+
 }  // namespace
 }  // namespace stylet
