@@ -24,8 +24,9 @@ namespace {
 
 NumberedMesh checked_mesh(MPI_Comm comm, const Scene& scene, bool live) {
   if (live && scene.dim() == 3) {
-    refuse_key(scene, "tissue.plane",
-               "missing; allowed: stress, strain, because hands and the window are in the plane so far");
+    refuse_key(
+        scene, "tissue.plane",
+        "missing; allowed: stress, strain, because hands and the window are in the plane so far");
   }
   NumberedMesh numbered = make_mesh(comm, scene);
   check_against_mesh(scene, numbered.mesh);

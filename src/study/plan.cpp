@@ -79,7 +79,8 @@ class Planner {
       const Values best = minimise(variables, n, before.size());
       const auto spread = jitter(variables, best, n);
       const Values after = residuals(variables, best, n);
-      const double wanted = options_.tolerance / unit * std::sqrt(double(after.size()) / double(dim()));
+      const double wanted =
+          options_.tolerance / unit * std::sqrt(double(after.size()) / double(dim()));
       if (std::sqrt(std::inner_product(after.begin(), after.end(), after.begin(), 0.0)) > wanted) {
         for (const auto& end : variables.at_ends(best)) {
           plan.shortfalls.push_back(scene_.needles[n].name + ": " + end);
