@@ -213,6 +213,11 @@ void note_membranes(const Simulation& simulation, std::vector<std::string>& note
           brief(seed.tip.force) + " N of the " + brief(seed.tip.needed) +
           " N that break it; on another mesh or step it may have broken before, and the "
           "seed would lie deeper");
+    } else if (seed.tip.at_membrane) {
+      notes.push_back("membrane: when " + seed_text(seed) +
+                      ", its tip stood at a membrane that it had not broken, with " +
+                      brief(seed.tip.force) + " N of the " + brief(seed.tip.needed) +
+                      " N that break it");
     } else if (seed.tip.since_puncture < barely) {
       notes.push_back("membrane: " + seed_text(seed) + " when it had just broken a membrane, " +
                       brief(100 * seed.tip.since_puncture) +
@@ -278,6 +283,13 @@ void note_ways(const Simulation& simulation, std::vector<std::string>& notes) {
       notes.push_back("the skin within kernel_radius of the entry of needle '" + needle.name +
                       "' is no plane, or the needle is more than 40 degrees from its normal: what "
                       "sticks there is up to 7 % too stiff; a smaller kernel_radius tells");
+    }
+    const double held = distance_to_held(scene, simulation.mesh(), needle, path);
+    if (held < 2 * needle.space.kernel_radius) {
+      notes.push_back(
+          "needle '" + needle.name + "' passes what is held at " + brief(1e3 * held) +
+          " mm, less than twice its kernel_radius: the near field does not know that it "
+          "is; a smaller kernel_radius tells what that costs");
     }
     const double other = share_in_other_tissue(scene, simulation.mesh(), needle, path);
     if (other > worth_a_word) {

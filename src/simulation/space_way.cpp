@@ -78,7 +78,7 @@ void refuse_needle(const Scene& scene,
 
 NeedlePath find_way(const Scene& scene, const Mesh& mesh, const NeedleParameters& needle) {
   const Line line = line_of(needle);
-  constexpr double on_skin = 1e-6;  // m
+  constexpr double on_skin = 1e-7;  // m
   if (locate(mesh, line.start + -on_skin * line.direction)) {
     refuse_needle(scene, needle, "entry",
                   "begins inside the tissue, at " + point_text(scene, line.start) +
@@ -220,7 +220,8 @@ std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
         mesh, EmbeddedTrack(mesh, path.skin_point, path.direction, depth, layout, moduli),
         needle.cutting.tip_length, radius, searches(needle.cutting), std::move(tissue));
   } catch (const InputError& error) {
-    refuse_needle(scene, needle, "kernel_radius", error.what());
+    refuse_needle(scene, needle, "kernel_radius",
+                  std::string("cannot have a track: ") + error.what());
   }
 }
 

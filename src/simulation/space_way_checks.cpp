@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,7 @@ struct Side {
   std::string held = {};  ///< by what; empty: free
 };
 
-std::vector<Side> sides_of(const Scene& scene, const Mesh& mesh) {
+std::vector<Side> held_sides(const Scene& scene, const Mesh& mesh) {
   std::vector<Side> sides;
   const auto add_held = [&](const std::string& surface, const std::string& by) {
     for (const int f : mesh.facets_of(surface)) {
@@ -35,6 +37,11 @@ std::vector<Side> sides_of(const Scene& scene, const Mesh& mesh) {
   for (const PrescribedCurve& prescribed : scene.prescribed) {
     add_held(prescribed.curve, "prescribed, surface '" + prescribed.curve + "'");
   }
+  return sides;
+}
+
+std::vector<Side> sides_of(const Scene& scene, const Mesh& mesh) {
+  std::vector<Side> sides = held_sides(scene, mesh);
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const auto n = mesh.cell(c);
     if (std::ranges::count_if(n, [&](int node) { return mesh.on_boundary(node); }) < 3) continue;
@@ -48,6 +55,32 @@ std::vector<Side> sides_of(const Scene& scene, const Mesh& mesh) {
     }
   }
   return sides;
+}
+
+// Of the skin's normal: a needle that grazes the skin has half of its kernel outside for long.
+void check_angle(const Scene& scene,
+                 const std::vector<Side>& sides,
+                 const NeedleParameters& needle,
+                 const NeedlePath& path) {
+  constexpr double most = 70;  // degrees
+  const Side* entered = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Side& side : sides) {
+    if (!side.held.empty()) continue;
+    const double away = distance(nearest_point(side.triangle, path.skin_point), path.skin_point);
+    // Of several that meet there the one that the needle goes through most straight.
+    const double facing = -dot(side.outward, path.direction);
+    const double cost = away - 1e-6 * facing;
+    if (cost >= least) continue;
+    least = cost;
+    entered = &side;
+  }
+  const double angle = 180 / std::numbers::pi *
+                       std::acos(std::clamp(-dot(entered->outward, path.direction), -1.0, 1.0));
+  if (angle <= most) return;
+  refuse_needle(scene, needle, needle.space.target ? "target" : "direction",
+                "enters " + brief(angle) + " degrees from the normal of the skin at " +
+                    point_text(scene, path.skin_point) + "; allowed: up to 70 degrees");
 }
 
 // The near field is that of a wide body, but for the free skin around the entry.
@@ -74,13 +107,13 @@ void check_distances(const Scene& scene,
     }
     if (nearest_side == nullptr) continue;
     const auto& [triangle, outward, held] = *nearest_side;
-    refuse_needle(
-        scene, needle, "kernel_radius",
-        "comes within " + brief(1e3 * least) + " mm of the tissue's surface at " +
-            point_text(scene, nearest_point(triangle, x)) +
-            (held.empty() ? "" : ", which is held (" + held + ")") + ", " + brief(1e3 * depth) +
-            " mm behind its entry point; allowed: a kernel_radius smaller than that, or a "
-            "way farther from it");
+    refuse_needle(scene, needle, "kernel_radius",
+                  "comes within " + brief(1e3 * least) + " mm of the tissue's surface at " +
+                      point_text(scene, nearest_point(triangle, x)) +
+                      (held.empty() ? "" : ", which is held (" + held + ")") + ", " +
+                      brief(1e3 * depth) + " mm behind its entry point; allowed: " +
+                      (depth == 0 ? "an entry farther than kernel_radius from other sides"
+                                  : "a kernel_radius smaller than that, or a way farther from it"));
   }
 }
 
@@ -135,6 +168,7 @@ void check_ways(const Scene& scene, const Mesh& mesh) {
       refuse_needle(scene, needle, "motion." + std::to_string(fault->action),
                     "enters at " + point_text(scene, path.skin_point) + ": " + fault->reason);
     }
+    check_angle(scene, sides, needle, path);
     if (path.deepest >= path.end) {
       refuse_needle(scene, needle, "motion",
                     "goes " + brief(path.deepest) + " m deep, and its way leaves the tissue " +
@@ -158,6 +192,22 @@ void check_ways(const Scene& scene, const Mesh& mesh) {
     check_elements(scene, mesh, needle, path);
     static_cast<void>(make_path(scene, mesh, needle, {}));
   }
+}
+
+double distance_to_held(const Scene& scene,
+                        const Mesh& mesh,
+                        const NeedleParameters& needle,
+                        const NeedlePath& path) {
+  const auto sides = held_sides(scene, mesh);
+  double least = std::numeric_limits<double>::infinity();
+  const int n = static_cast<int>(8 * path.deepest / needle.space.kernel_radius) + 1;
+  for (int i = 0; i <= n; ++i) {
+    const ReferencePlace x = path.skin_point + path.deepest * i / n * path.direction;
+    for (const Side& side : sides) {
+      least = std::min(least, distance(nearest_point(side.triangle, x), x));
+    }
+  }
+  return least;
 }
 
 }  // namespace stylet

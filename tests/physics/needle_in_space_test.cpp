@@ -139,6 +139,8 @@ TEST(NeedleInSpace, WhatHasNoAnswerIsRefused) {
            {{"needles.0.height=2 cm"}, {"needles.0.height", "only with tissue.plane"}},
            {{"needles.0.kernel_radius=null"}, {"needles.0.kernel_radius", "required in space"}},
            {{"needles.0.kernel_radius=0.7 mm"}, {"needles.0.kernel_radius", "1.3 times"}},
+           {{"needles.0.direction=[-1, 0, 4]"}, {"needles.0.direction", "75.9638 degrees"}},
+           {{"needles.0.entry=[6 cm, 4 cm, 2 cm]"}, {"an entry farther than kernel_radius"}},
            {{"needles.0.kernel_radius=2 mm"},
             {"needles.0.kernel_radius", "leads through elements"}},
            {{"needles.0.kernel_radius=19.5 mm"},
@@ -190,6 +192,9 @@ TEST(NeedleInSpace, WhatTheNearFieldDoesNotKnowIsSaid) {
   EXPECT_THAT(notes_with({"needles.0.kernel_radius=4 mm"}), testing::Not(HasSubstr("is no plane")));
   EXPECT_THAT(notes_with({"tissue.regions.gland.youngs_modulus=90 kPa"}),
               HasSubstr("kernel's edge"));
+  EXPECT_THAT(notes_with({"supports.back=fixed", "needles.0.kernel_radius=12 mm"}),
+              HasSubstr("passes what is held at 19 mm"));
+  EXPECT_THAT(notes_with({"membrane.puncture_force=20 N"}), HasSubstr("that it had not broken"));
   EXPECT_THAT(notes_with({"needles.1.target=[4.5 cm, 3.2 cm, 2.2 cm]",
                           "needles.1.motion.0.insert.depth=8 mm",
                           "needles.1.entry=[6.2 cm, 1.2 cm, 2 cm]"}),

@@ -33,6 +33,12 @@ namespace stylet {
                                   const NeedleParameters& needle,
                                   const NeedlePath& path);
 
+/// From the needle's way to the nearest surface that a support or a prescribed displacement holds (m).
+[[nodiscard]] double distance_to_held(const Scene& scene,
+                                      const Mesh& mesh,
+                                      const NeedleParameters& needle,
+                                      const NeedlePath& path);
+
 /// Of the kernel's edge along the way, that lies in tissue of another modulus than the needle there.
 [[nodiscard]] double share_in_other_tissue(const Scene& scene,
                                            const Mesh& mesh,
