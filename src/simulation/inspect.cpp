@@ -17,8 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string place(double x, double y) {
-  return "(" + brief(1e3 * x) + ", " + brief(1e3 * y) + ") mm";
+std::string place(const std::vector<double>& x) {
+  std::vector<std::string> numbers;
+  for (const double number : x) numbers.push_back(brief(1e3 * number));
+  return "(" + join(numbers) + ") mm";
 }
 
 std::string text_of(const LoadedCheckpoint& loaded) {
@@ -36,13 +38,14 @@ std::string text_of(const LoadedCheckpoint& loaded) {
                : std::to_string(summary.value("n_triangles", 0)) + " triangles");
   text += (about.mesh.empty() ? "" : ", file's fingerprint " + about.mesh.substr(0, 12)) + "\n";
   if (!about.phase.empty()) {
-    text += "needle    " + about.phase + ", its tip at " + place(about.tip.x, about.tip.y) + "\n";
+    std::vector<double> tip{about.tip.x, about.tip.y};
+    if (summary.contains("n_tetrahedra")) tip.push_back(about.tip.z);
+    text += "needle    " + about.phase + ", its tip at " + place(tip) + "\n";
   }
   for (const Json& seed : summary.value("seeds", Json::array())) {
-    const auto& x = seed["reference"];
     text += "seed      of " + seed.value("needle", "") +
             " at t = " + brief(seed.value("implanted_at", 0.0)) + " s, in the tissue at " +
-            place(x[0].get<double>(), x[1].get<double>());
+            place(seed["reference"].get<std::vector<double>>());
     text += (seed.contains("target") ? ", for " + seed.value("target", "") : "") + "\n";
   }
   return text;
