@@ -35,6 +35,9 @@ TissueOperator::TissueOperator(MPI_Comm comm,
                                 : ": a mesh of tetrahedra has no plane") +
                      " (tissue.plane)");
   }
+  if (mesh.is_quadratic() != (parameters.formulation == Formulation::p2)) {
+    throw InputError(mesh.data().source + ": mid-edge nodes and tissue.formulation p2 go together");
+  }
   const auto rank = static_cast<std::size_t>(rank_of(comm));
   begin_ = first_node_[rank];
   end_ = first_node_[rank + 1];
@@ -209,7 +212,7 @@ void TissueOperator::fill_matrices(const Mesh& mesh, std::span<const int> owned_
 std::vector<int> TissueOperator::rows_of(const Mesh& mesh, std::span<const int> cells) const {
   std::vector<int> nodes;
   for (const int cell : cells) {
-    for (const int node : mesh.cell(cell)) nodes.push_back(node);
+    for (const int node : mesh.nodes(cell)) nodes.push_back(node);
   }
   sort_unique(nodes);
   if (!averaged()) return nodes;

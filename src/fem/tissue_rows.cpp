@@ -67,6 +67,17 @@ VolumetricState TissueOperator::volumetric_in(const Mesh& mesh,
     }
     return state;
   }
+  if constexpr (Dim == 3) {
+    if (mesh.is_quadratic()) {
+      for (const auto& point : tetrahedron_points()) {
+        const auto h = gradient_at(mesh, cell, point, u);
+        const double dilatation = h[0][0] + h[1][1] + h[2][2];
+        state.pressure += lambda * dilatation / 4;
+        state.energy_density += 0.5 * lambda * dilatation * dilatation / 4;
+      }
+      return state;
+    }
+  }
   const auto element = simplex<Dim>(mesh, cell);
   double trace = 0;
   for (std::size_t a = 0; a < n_corners; ++a) {
@@ -113,24 +124,32 @@ void TissueOperator::compute(const Mesh& mesh,
   masses.consistent.assign(mass_columns.size(), 0.0);
   masses.lumped = 0;
   for (const int cell : mesh.cells_around(node)) {
-    const auto nodes = mesh.cell(cell);
-    const auto element = simplex<Dim>(mesh, cell);
+    const auto nodes = mesh.nodes(cell);
     auto m = material(cell);
     if (averaged()) m.moduli.lambda = 0;  // see add_shared_volume
     const auto a = static_cast<std::size_t>(std::ranges::find(nodes, node) - nodes.begin());
-    masses.lumped += t * m.density * element.lumped_mass();
-    for (std::size_t b = 0; b <= Dim; ++b) {
-      const std::size_t at = position(rows.columns, nodes[b]);
-      const auto block = element.stiffness(a, b, m.moduli);
-      for (std::size_t i = 0; i < Dim; ++i) {
-        for (std::size_t k = 0; k < Dim; ++k) {
-          rows.values[i * width + Dim * at + k] += t * block[i][k];
+    const auto add = [&](const auto& element) {
+      masses.lumped += t * m.density * element.lumped_mass(a);
+      for (std::size_t b = 0; b < nodes.size(); ++b) {
+        const std::size_t at = position(rows.columns, nodes[b]);
+        const auto block = element.stiffness(a, b, m.moduli);
+        for (std::size_t i = 0; i < Dim; ++i) {
+          for (std::size_t k = 0; k < Dim; ++k) {
+            rows.values[i * width + Dim * at + k] += t * block[i][k];
+          }
         }
+        if (mass_columns.empty()) continue;
+        masses.consistent[position(mass_columns, nodes[b])] +=
+            t * m.density * element.consistent_mass(a, b);
       }
-      if (mass_columns.empty()) continue;
-      masses.consistent[position(mass_columns, nodes[b])] +=
-          t * m.density * element.consistent_mass(a, b);
+    };
+    if constexpr (Dim == 3) {
+      if (mesh.is_quadratic()) {
+        add(QuadraticTetrahedron(simplex<3>(mesh, cell)));
+        continue;
+      }
     }
+    add(simplex<Dim>(mesh, cell));
   }
   if (averaged()) add_shared_volume(mesh, node, rows.columns, cache, rows.values);
 }

@@ -42,7 +42,7 @@ void Mesh::archive(Archive& archive) {
        [&](std::size_t from, std::size_t to) { data_.cells[to] = nodes[at(corners[from])]; });
   for (auto& around : around_) around.clear();
   for (int c = 0; c < n_cells(); ++c) {
-    for (const int node : cell(c)) around_[at(node)].push_back(c);
+    for (const int node : this->nodes(c)) around_[at(node)].push_back(c);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/mesh/quadratic.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -61,6 +62,21 @@ double extent_of(const Mesh& mesh) {
 }
 
 }  // namespace
+
+std::vector<NodeWeight> node_weights(const Mesh& mesh, const EmbeddedPoint& point) {
+  std::vector<NodeWeight> all;
+  const auto nodes = mesh.nodes(point.cell);
+  const auto& l = point.weights;
+  const std::size_t n_corners = mesh.cell(point.cell).size();
+  for (std::size_t k = 0; k < n_corners; ++k) {
+    all.push_back({nodes[k], mesh.is_quadratic() ? l[k] * (2 * l[k] - 1) : l[k]});
+  }
+  for (std::size_t k = n_corners; k < nodes.size(); ++k) {
+    const auto [a, b] = tetrahedron_edges[k - n_corners];
+    all.push_back({nodes[k], 4 * l[a] * l[b]});
+  }
+  return all;
+}
 
 std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePlace x, int hint) {
   int c = hint;

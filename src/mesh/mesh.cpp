@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/base/sorted.hpp"
 #include "stylet/geometry/triangle.hpp"
+#include "stylet/mesh/quadratic.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -32,15 +33,17 @@ Mesh::Mesh(MeshData data) : data_(std::move(data)) {
       throw InputError(data_.source + ": cell " + std::to_string(c + 1) +
                        " is inverted or has no " + (dim() == 2 ? "area" : "volume"));
     }
-    for (const int node : cell(c)) around_[static_cast<std::size_t>(node)].push_back(c);
+    for (const int node : nodes(c)) around_[static_cast<std::size_t>(node)].push_back(c);
   }
   on_boundary_.assign(n, 0);
   for (int c = 0; c < n_cells(); ++c) {
-    const auto nodes = cell(c);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const auto all = nodes(c);
+    const auto n_corners = cell(c).size();
+    for (std::size_t i = 0; i < n_corners; ++i) {
       if (beyond(c, i)) continue;
-      for (std::size_t k = 0; k < nodes.size(); ++k) {
-        if (k != i) on_boundary_[static_cast<std::size_t>(nodes[k])] = 1;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        const bool apart = k < n_corners ? k == i : is_of_edge(k - n_corners, i);
+        if (!apart) on_boundary_[static_cast<std::size_t>(all[k])] = 1;
       }
     }
   }
@@ -49,7 +52,7 @@ Mesh::Mesh(MeshData data) : data_(std::move(data)) {
 
 void Mesh::lock_curve(const std::string& curve) {
   for (const int f : facets_of(curve)) {
-    const auto nodes = facet(f);
+    const auto nodes = facet_nodes(f);
     if (dim() == 2) locked_edges_.push_back(edge_key(nodes[0], nodes[1]));
     for (const int node : nodes) locked_[static_cast<std::size_t>(node)] = 1;
   }
@@ -59,7 +62,7 @@ void Mesh::lock_curve(const std::string& curve) {
 std::vector<int> Mesh::neighbours(int node) const {
   std::vector<int> nodes;
   for (const int c : cells_around(node)) {
-    for (const int other : cell(c)) nodes.push_back(other);
+    for (const int other : this->nodes(c)) nodes.push_back(other);
   }
   sort_unique(nodes);
   return nodes;
@@ -126,7 +129,7 @@ std::vector<int> Mesh::facets_of(const std::string& curve) const {
 std::vector<int> Mesh::nodes_of(const std::string& curve) const {
   std::vector<int> nodes;
   for (const int f : facets_of(curve)) {
-    const auto of_facet = facet(f);
+    const auto of_facet = facet_nodes(f);
     nodes.insert(nodes.end(), of_facet.begin(), of_facet.end());
   }
   sort_unique(nodes);

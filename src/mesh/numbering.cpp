@@ -27,19 +27,20 @@ struct Graph {
 };
 
 Graph node_graph(const MeshData& mesh) {
-  const int n_corners = mesh.dim + 1;
-  if (mesh.cells.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() / mesh.dim)) {
+  const int width = mesh.n_cell_nodes();
+  const std::vector<int>& cell_nodes = mesh.cell_nodes();
+  if (cell_nodes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max() / (width - 1))) {
     throw InputError(mesh.source + ": too many cells for 32-bit numbers");
   }
   std::vector<int> start(mesh.n_nodes() + 1, 0);
-  for (int node : mesh.cells) start[node + 1] += mesh.dim;
+  for (int node : cell_nodes) start[node + 1] += width - 1;
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<int> all(start.back());
   std::vector<int> fill(start.begin(), start.end() - 1);
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const int* nodes = mesh.cells.data() + static_cast<std::ptrdiff_t>(n_corners) * c;
-    for (int i = 0; i < n_corners; ++i) {
-      for (int j = 0; j < n_corners; ++j) {
+    const int* nodes = cell_nodes.data() + static_cast<std::ptrdiff_t>(width) * c;
+    for (int i = 0; i < width; ++i) {
+      for (int j = 0; j < width; ++j) {
         if (i != j) all[fill[nodes[i]]++] = nodes[j];
       }
     }
@@ -174,6 +175,7 @@ MeshData renumber(const MeshData& mesh,
                   const Numbering& numbering,
                   std::vector<int>& old_cell_of_new) {
   const int n_corners = mesh.dim + 1;
+  const int width = mesh.n_cell_nodes();
   const auto& number = numbering.new_of_old;
   MeshData result = mesh;
   for (int i = 0; i < mesh.n_nodes(); ++i) {
@@ -182,6 +184,7 @@ MeshData renumber(const MeshData& mesh,
     }
   }
   for (int& node : result.facets) node = number[node];
+  for (int& node : result.quadratic_facets) node = number[node];
 
   std::vector<int> smallest(mesh.n_cells(), std::numeric_limits<int>::max());
   for (int c = 0; c < mesh.n_cells(); ++c) {
@@ -197,6 +200,10 @@ MeshData renumber(const MeshData& mesh,
     result.cell_region[c] = mesh.cell_region[old];
     for (int k = 0; k < n_corners; ++k) {
       result.cells[n_corners * c + k] = number[mesh.cells[n_corners * old + k]];
+    }
+    if (!mesh.is_quadratic()) continue;
+    for (int k = 0; k < width; ++k) {
+      result.quadratic_cells[width * c + k] = number[mesh.quadratic_cells[width * old + k]];
     }
   }
   return result;

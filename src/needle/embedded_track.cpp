@@ -166,8 +166,8 @@ std::vector<EmbeddedTrack::NodeShare> EmbeddedTrack::mean_over(const Mesh& mesh,
         const auto found = grid.find(x);
         if (!found) continue;
         inside += weight;
-        for (std::size_t k = 0; k < 4; ++k) {
-          of_node[mesh.cell(found->cell)[k]] += weight * found->weights[k];
+        for (const auto& [node, share] : node_weights(mesh, *found)) {
+          of_node[node] += weight * share;
         }
       }
     }

@@ -22,6 +22,9 @@ class DimensionRules {
     const bool is_box = std::holds_alternative<BoxMesh>(scene_.mesh.source);
     const bool is_rectangle = std::holds_alternative<RectangleMesh>(scene_.mesh.source);
     require(!is_box || !plane_, "tissue.plane", "no plane, because mesh.box is in space");
+    require(!plane_ || scene_.tissue.formulation != Formulation::p2, "tissue.formulation",
+            "p1, p1_averaged, because p2 is an element of space (without tissue.plane): needles "
+            "move nodes and flip edges of linear triangles");
     require(plane_ || !is_rectangle, "tissue.plane", "stress, strain");
     const auto in_space = [](const NeedleParameters& needle) {
       return needle.space.entry.has_value();

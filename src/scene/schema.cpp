@@ -117,8 +117,8 @@ Codec<TissueParameters> tissue() {
   const Choices<Plane> planes = {{"stress", Plane::stress}, {"strain", Plane::strain}};
   const Choices<MassKind> masses = {{"consistent", MassKind::consistent},
                                     {"lumped", MassKind::lumped}};
-  const Choices<Formulation> formulations = {{"p1", Formulation::p1},
-                                             {"p1_averaged", Formulation::p1_averaged}};
+  const Choices<Formulation> formulations = {
+      {"p1", Formulation::p1}, {"p1_averaged", Formulation::p1_averaged}, {"p2", Formulation::p2}};
   const auto damping =
       block<RayleighDamping>({field("mass_factor", &RayleighDamping::mass_factor,
                                     number("1/s", not_negative), "Times the mass matrix."),
@@ -129,8 +129,10 @@ Codec<TissueParameters> tissue() {
            .otherwise("required for triangles, not allowed for tetrahedra"),
        field("thickness", &T::thickness, number("m", positive), "Extent out of plane.")
            .written_if([](const T& given) { return given.plane.has_value(); }),
-       field("formulation", &T::formulation, choice(formulations),
-             "Kind of triangle or tetrahedron; p1_averaged does not lock.")
+       field(
+           "formulation", &T::formulation, choice(formulations),
+           "Kind of triangle or tetrahedron; p1_averaged does not lock, nor does p2, the quadratic "
+           "tetrahedron.")
            .otherwise("p1_averaged in plane strain or of tetrahedra with a poisson_ratio above "
                       "0.45, else p1"),
        field("mass", &T::mass, choice(masses), "Mass matrix.")

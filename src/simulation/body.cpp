@@ -175,18 +175,18 @@ std::vector<WorldPlace> Body::world(std::span<const EmbeddedPoint> points) const
   integrator_->complete();
   std::vector<int> nodes;
   for (const auto& point : points) {
-    for (const int node : mesh().cell(point.cell)) nodes.push_back(node);
+    for (const int node : mesh().nodes(point.cell)) nodes.push_back(node);
   }
   const Vec vectors[1] = {state_.u.get()};
   const auto u = gather(vectors, dofs_of(nodes, mesh().dim()))[0];
   const auto dim = static_cast<std::size_t>(mesh().dim());
   std::vector<WorldPlace> world;
+  const double* of_node = u.data();
   for (std::size_t i = 0; i < points.size(); ++i) {
     Vector3 moved;
-    for (std::size_t k = 0; k <= dim; ++k) {
-      const double* of_node = &u[dim * ((dim + 1) * i + k)];
-      moved =
-          moved + points[i].weights[k] * Vector3{of_node[0], of_node[1], dim == 3 ? of_node[2] : 0};
+    for (const auto& [node, weight] : node_weights(mesh(), points[i])) {
+      moved = moved + weight * Vector3{of_node[0], of_node[1], dim == 3 ? of_node[2] : 0};
+      of_node += dim;
     }
     world.push_back(displaced(points[i].x, moved));
   }

@@ -34,8 +34,16 @@ CellStress stress_in(const Simulation& simulation, int cell, std::span<const dou
   const double mu = simulation.tissue().moduli(cell).mu;
   const auto [pressure, volume_energy] = simulation.tissue().volumetric(mesh, cell, u);
   if (mesh.dim() == 3) {
-    const auto h = simplex<3>(mesh, cell).displacement_gradient(corner_values<3>(mesh, cell, u));
-    return {space_stress(h, mu, pressure), pressure, volume_energy + shear_energy_density(h, mu)};
+    const auto h = gradient_at(mesh, cell, {0.25, 0.25, 0.25, 0.25}, u);
+    double shear = 0;  // the mean over the cell
+    if (mesh.is_quadratic()) {
+      for (const auto& point : tetrahedron_points()) {
+        shear += shear_energy_density(gradient_at(mesh, cell, point, u), mu) / 4;
+      }
+    } else {
+      shear = shear_energy_density(h, mu);
+    }
+    return {space_stress(h, mu, pressure), pressure, volume_energy + shear};
   }
   const auto h = plane_gradient(simulation, cell, u);
   return {plane_stress(h, mu, pressure, *simulation.scene().tissue.plane), pressure,

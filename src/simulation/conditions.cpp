@@ -1,6 +1,7 @@
 #include "stylet/simulation/conditions.hpp"
 
 #include "stylet/base/errors.hpp"
+#include "stylet/base/index.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
 
@@ -64,8 +65,9 @@ Conditions::Conditions(const Scene& scene, const Mesh& mesh) : scene_(scene), di
     if (support.kind == SupportKind::free) continue;
     for (const int f : mesh.facets_of(support.curve)) {
       const auto facet = mesh.facet(f);
+      const auto nodes = mesh.facet_nodes(f);
       if (support.kind == SupportKind::fixed) {
-        for (const int node : facet) {
+        for (const int node : nodes) {
           for (int k = 0; k < dim_; ++k) held.insert(dim_ * node + k);
         }
         continue;
@@ -76,7 +78,7 @@ Conditions::Conditions(const Scene& scene, const Mesh& mesh) : scene_(scene), di
                          (dim_ == 2 ? "boundary along or across the needle (x or y)"
                                     : "surface that is normal to x, y or z"));
       }
-      for (const int node : facet) held.insert(dim_ * node + *axis);
+      for (const int node : nodes) held.insert(dim_ * node + *axis);
     }
   }
   held_.assign(held.begin(), held.end());
@@ -106,13 +108,14 @@ void Conditions::check_prescribed(const Mesh& mesh) {
       const auto held = [&](int node) { return is_held(dim_ * node + static_cast<int>(k)); };
       for (const int f : mesh.facets_of(p.curve)) {
         const auto facet = mesh.facet(f);
-        if (std::ranges::all_of(facet, held)) {
+        const auto nodes = mesh.facet_nodes(f);
+        if (std::ranges::all_of(nodes, held)) {
           refuse_key(scene_, "prescribed." + std::to_string(i) + ".displacement",
                      "would have no effect " + between(scene_, mesh, facet) +
                          ", where a support holds the tissue; allowed: a " +
                          (dim_ == 2 ? "curve" : "surface") + ", or a component, that is not held");
         }
-        for (const int node : facet) {
+        for (const int node : nodes) {
           if (held(node)) corners.insert(node);
         }
       }
@@ -160,7 +163,7 @@ void Conditions::check_tractions(const Mesh& mesh) const {
       const auto is_given = [&](int node) { return given.contains(dim_ * node + k); };
       for (const int f : mesh.facets_of(traction.curve)) {
         const auto facet = mesh.facet(f);
-        if (!std::ranges::all_of(facet, is_given)) continue;
+        if (!std::ranges::all_of(mesh.facet_nodes(f), is_given)) continue;
         refuse_key(scene_,
                    "loads.traction." + std::to_string(i) + (dim_ == 2 ? ".force" : ".stress"),
                    "would have no effect " + between(scene_, mesh, facet) +
@@ -219,18 +222,28 @@ std::vector<double> Conditions::load(const Mesh& mesh, double t) const {
     of_node[1] += share * f.y;
     if (dim == 3) of_node[2] += share * *f.z;
   };
+  // Constant over a cell or facet. Of quadratic shape functions those of a tetrahedron's corners have the
+  // mean -1/20, those of its edges 1/5; of a triangle's 0 and 1/3.
+  const auto spread = [&](std::span<const int> nodes, int n_corners, double size,
+                          const Components& f) {
+    const bool quadratic = nodes.size() > at(n_corners);
+    const double linear_share = size / n_corners;
+    const double at_corner = !quadratic ? linear_share : n_corners == 4 ? -size / 20 : 0;
+    const double at_edge = n_corners == 4 ? size / 5 : size / 3;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      add(nodes[k], k < at(n_corners) ? at_corner : at_edge, f);
+    }
+  };
   for (const auto& body : scene_.body_forces) {
     if (t < body.start) continue;
     for (int c = 0; c < mesh.n_cells(); ++c) {
-      const double share = mesh.cell_measure(c) * scene_.tissue.depth() / (dim_ + 1);
-      for (const int node : mesh.cell(c)) add(node, share, body.force);
+      spread(mesh.nodes(c), dim_ + 1, mesh.cell_measure(c) * scene_.tissue.depth(), body.force);
     }
   }
   for (const auto& traction : scene_.tractions) {
     if (t < traction.start) continue;
     for (const int f : mesh.facets_of(traction.curve)) {
-      const double share = mesh.facet_measure(f) / dim_;
-      for (const int node : mesh.facet(f)) add(node, share, traction.force);
+      spread(mesh.facet_nodes(f), dim_, mesh.facet_measure(f), traction.force);
     }
   }
   return force;

@@ -8,6 +8,7 @@
 #include "stylet/mesh/box.hpp"
 #include "stylet/mesh/embedded_point.hpp"
 #include "stylet/mesh/gmsh_reader.hpp"
+#include "stylet/mesh/quadratic.hpp"
 #include "stylet/mesh/rectangle.hpp"
 #include "stylet/mesh/refine.hpp"
 #include "stylet/mesh/validate.hpp"
@@ -184,6 +185,7 @@ NumberedMesh make_mesh(MPI_Comm comm, const Scene& scene) {
   validate(data);
   turn(data, Rotation(scene.needle_angle));
   if (scene.mesh.refine > 0) data = refine(data, scene.mesh.refine);
+  if (scene.tissue.formulation == Formulation::p2) add_mid_edge_nodes(data);
   auto numbering = number_nodes(data, size_of(comm));
   std::vector<int> old_cell_of_new;
   Mesh mesh(renumber(data, numbering, old_cell_of_new));

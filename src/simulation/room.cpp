@@ -29,11 +29,18 @@ double bytes_needed(const Scene& scene, double n_cells) {
     constexpr double with_factor = 2300;
     return program + (factors ? with_factor : operators) * n_cells;
   }
-  const bool averages = scene.tissue.formulation == Formulation::p1_averaged;
-  if (!factors) return program + (averages ? 2400 : 600) * n_cells;
-  constexpr double dofs_a_cell = 0.55;
-  return program + (averages ? 7500 : 2000) * n_cells +
-         factor_bytes(3, dofs_a_cell * n_cells, averages ? 180 : 42);
+  struct Each {
+    double operators;
+    double with_matrices;  ///< bytes a cell
+    double dofs;           ///< a cell
+    double factor;         ///< entries of a row, as factor_bytes wants them
+  };
+  const auto formulation = scene.tissue.formulation;
+  const Each each = formulation == Formulation::p2            ? Each{6500, 33000, 4.3, 29}
+                    : formulation == Formulation::p1_averaged ? Each{2400, 7500, 0.55, 180}
+                                                              : Each{600, 2000, 0.55, 42};
+  if (!factors) return program + each.operators * n_cells;
+  return program + each.with_matrices * n_cells + factor_bytes(3, each.dofs * n_cells, each.factor);
 }
 
 Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine) {

@@ -49,8 +49,27 @@ double largest_principal_strain(const Mesh& mesh, int c, std::span<const double>
 }
 
 double largest_principal_strain(const Mesh& mesh, int c, std::span<const double> u) {
-  return mesh.dim() == 2 ? largest_principal_strain<2>(mesh, c, u)
-                         : largest_principal_strain<3>(mesh, c, u);
+  if (mesh.dim() == 2) return largest_principal_strain<2>(mesh, c, u);
+  if (!mesh.is_quadratic()) return largest_principal_strain<3>(mesh, c, u);
+  double largest = 0;
+  for (const auto& point : tetrahedron_points()) {
+    largest = std::max(largest, principal(gradient_at(mesh, c, point, u)));
+  }
+  return largest;
+}
+
+// Somewhere, as its corners tell.
+bool is_turned_over_in_space(const Mesh& mesh, int c, std::span<const double> u) {
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    std::array<double, 4> l{};
+    l[corner] = 1;
+    auto f = gradient_at(mesh, c, l, u);
+    for (std::size_t i = 0; i < 3; ++i) f[i][i] += 1;
+    const Vector3 rows[3] = {
+        {f[0][0], f[0][1], f[0][2]}, {f[1][0], f[1][1], f[1][2]}, {f[2][0], f[2][1], f[2][2]}};
+    if (dot(rows[0], cross(rows[1], rows[2])) <= 0) return true;
+  }
+  return false;
 }
 
 ReferencePlace centre_of(const Mesh& mesh, int c) {
@@ -118,6 +137,10 @@ TurnedOver turned_over(const Mesh& mesh, std::span<const double> u, double time)
     x.push_back(displaced(mesh.place(node), {u[at], u[at + 1], dim == 3 ? u[at + 2] : 0}));
   }
   for (int c = 0; c < mesh.n_cells(); ++c) {
+    if (mesh.is_quadratic()) {
+      if (is_turned_over_in_space(mesh, c, u)) all.add(mesh, c);
+      continue;
+    }
     const auto nodes = mesh.cell(c);
     const auto corner = [&](std::size_t k) { return x[static_cast<std::size_t>(nodes[k])]; };
     const double measure =

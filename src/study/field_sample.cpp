@@ -18,6 +18,7 @@ MeshData mesh_data(const FieldSample& sample) {
   MeshData data;
   data.coordinates = sample.coordinates;
   data.cells = sample.cells;
+  data.quadratic_cells = sample.quadratic_cells;
   data.dim = sample.dim;
   data.cell_region.assign(static_cast<std::size_t>(data.n_cells()), 0);
   data.region_names = {"tissue"};
@@ -27,16 +28,15 @@ MeshData mesh_data(const FieldSample& sample) {
 Vector3 value_at(const FieldSample& sample, const Mesh& mesh, const EmbeddedPoint& point) {
   const auto dim = static_cast<std::size_t>(sample.dim);
   double value[3] = {0, 0, 0};
-  const auto nodes = mesh.cell(point.cell);
-  for (std::size_t corner = 0; corner <= dim; ++corner) {
-    const double* u = &sample.u[dim * static_cast<std::size_t>(nodes[corner])];
-    for (std::size_t k = 0; k < dim; ++k) value[k] += point.weights[corner] * u[k];
+  for (const auto& [node, weight] : node_weights(mesh, point)) {
+    const double* u = &sample.u[dim * static_cast<std::size_t>(node)];
+    for (std::size_t k = 0; k < dim; ++k) value[k] += weight * u[k];
   }
   return {value[0], value[1], value[2]};
 }
 
-// Points and weights that are alike, exact for quadratics: the middles of a triangle's edges; of a
-// tetrahedron, Keast, Comput. Methods Appl. Mech. Engng 55 (1986) 339.
+// Points with weights that are alike, exact for quadratics: the middles of a triangle's edges, the four
+// of a tetrahedron.
 EmbeddedPoint quadrature_point(const Mesh& mesh, int c, std::size_t corner) {
   const auto n = mesh.cell(c);
   if (mesh.dim() == 2) {
@@ -44,10 +44,7 @@ EmbeddedPoint quadrature_point(const Mesh& mesh, int c, std::size_t corner) {
     point.weights[corner] = point.weights[(corner + 1) % 3] = 0.5;
     return point;
   }
-  const double root = std::sqrt(5.0);
-  EmbeddedPoint point{{}, c, {}};
-  point.weights.fill((5 - root) / 20);
-  point.weights[corner] = (5 + 3 * root) / 20;
+  EmbeddedPoint point{{}, c, tetrahedron_points()[corner]};
   for (std::size_t k = 0; k < 4; ++k) {
     point.x = point.x + point.weights[k] * (mesh.place(n[k]) - ReferencePlace{});
   }
@@ -57,12 +54,13 @@ EmbeddedPoint quadrature_point(const Mesh& mesh, int c, std::size_t corner) {
 }  // namespace
 
 void archive(Archive& archive, FieldSample& sample) {
-  auto& [time, coordinates, cells, u, dim] = sample;
+  auto& [time, coordinates, cells, u, dim, quadratic_cells] = sample;
   archive("dim", dim);
   archive("time", time);
   archive("coordinates", coordinates);
   archive("cells", cells);
   archive("u", u);
+  archive("quadratic_cells", quadratic_cells);
 }
 
 FieldSample field_now(const Simulation& simulation) {
@@ -72,6 +70,7 @@ FieldSample field_now(const Simulation& simulation) {
   sample.cells = simulation.mesh().data().cells;
   sample.u = gather_all(simulation.state().u.get());
   sample.dim = simulation.mesh().dim();
+  sample.quadratic_cells = simulation.mesh().data().quadratic_cells;
   return sample;
 }
 
@@ -82,7 +81,8 @@ void write_fields(const std::string& path, const std::vector<FieldSample>& sampl
                         {"coordinates", sample.coordinates},
                         {"cells", sample.cells},
                         {"u", sample.u},
-                        {"dim", sample.dim}});
+                        {"dim", sample.dim},
+                        {"quadratic_cells", sample.quadratic_cells}});
   }
   const auto bytes = nlohmann::json::to_cbor(document);
   TextFile file(path);
@@ -97,10 +97,10 @@ std::vector<FieldSample> read_fields(const std::string& path) {
   std::vector<FieldSample> samples;
   try {
     for (const auto& entry : nlohmann::json::from_cbor(file)) {
-      samples.push_back({entry.at("time").get<double>(),
-                         entry.at("coordinates").get<std::vector<double>>(),
-                         entry.at("cells").get<std::vector<int>>(),
-                         entry.at("u").get<std::vector<double>>(), entry.value("dim", 2)});
+      samples.push_back(
+          {entry.at("time").get<double>(), entry.at("coordinates").get<std::vector<double>>(),
+           entry.at("cells").get<std::vector<int>>(), entry.at("u").get<std::vector<double>>(),
+           entry.value("dim", 2), entry.value("quadratic_cells", std::vector<int>{})});
     }
   } catch (const nlohmann::json::exception& error) {
     throw InputError(path + ": holds no fields: " + error.what());

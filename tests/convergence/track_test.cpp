@@ -20,17 +20,20 @@ namespace {
 constexpr double youngs_modulus = 60e3;
 constexpr double tip_length = 6e-3;
 
-MeshData can(int refinements) {
-  std::ifstream in(STYLET_CAN_MESH);
+/// 1648 tetrahedra, or 482 of the quadratic ones.
+MeshData can(int refinements, Formulation formulation) {
+  const char* const file =
+      formulation == Formulation::p2 ? STYLET_COARSE_CAN_MESH : STYLET_CAN_MESH;
+  std::ifstream in(file);
   std::ostringstream text;
   text << in.rdbuf();
-  return refine(read_gmsh(STYLET_CAN_MESH, text.str(), 1e-3), refinements);
+  return refine(read_gmsh(file, text.str(), 1e-3), refinements);
 }
 
 class Can {
  public:
   Can(int refinements, double nu, Formulation formulation, double depth = 0.035)
-      : body_(can(refinements), solid({youngs_modulus, nu, 1000}, formulation)),
+      : body_(can(refinements, formulation), solid({youngs_modulus, nu, 1000}, formulation)),
         track_(body_.mesh,
                {0, 0, 0.07},
                {0, 0, -1},
@@ -117,6 +120,9 @@ struct Known {
   Answers exact;
   Answers coarse;  ///< % by another program with the same method, on like meshes
   Answers fine;
+  Answers limit{};  ///< of finer meshes: what the split leaves, where the fine mesh is near it
+  double least_order = 1;
+  bool same_mesh = true;  ///< else another one of the same size, whose fine answers are compared
 };
 
 TEST(TrackInSpace, ConvergesToTheNeedlesRadius) {
@@ -129,7 +135,15 @@ TEST(TrackInSpace, ConvergesToTheNeedlesRadius) {
                         Formulation::p1_averaged,
                         {1.3959, 2.3310, 2.0419, 1.5965, 0.2717},
                         {5.71, 5.89, -3.35, -7.25, -6.89},
-                        {1.08, 1.27, -1.03, -2.71, -0.91}}};
+                        {1.08, 1.27, -1.03, -2.71, -0.91}},
+                       {0.45,
+                        Formulation::p2,
+                        {1.3959, 2.3310, 2.0419, 1.5965, 0.2717},
+                        {2.19, 2.07, -2.27, -4.46, -3.14},
+                        {-0.52, -0.26, -0.34, -1.14, 1.43},
+                        {-0.92, -0.70, 0.16, 0.27, 1.72},
+                        1.7,
+                        false}};
   for (const Known& known : all) {
     const Answers coarse = answers(0, known.nu, known.formulation);
     const Answers fine = answers(1, known.nu, known.formulation);
@@ -138,11 +152,17 @@ TEST(TrackInSpace, ConvergesToTheNeedlesRadius) {
       const double first = percent(coarse[i]);
       const double second = percent(fine[i]);
       // Other points on the rings, and other diagonals where tetrahedra are split.
-      EXPECT_NEAR(first, known.coarse[i], 0.1) << known.nu << " " << i;
-      EXPECT_NEAR(second, known.fine[i], 0.1) << known.nu << " " << i;
-      EXPECT_GT(order(std::abs(first), std::abs(second)), 1) << known.nu << " " << i;
-      RecordProperty("error_" + std::to_string(i) + "_" + std::to_string(known.nu),
-                     std::to_string(first) + " " + std::to_string(second));
+      const double like = known.same_mesh ? 0.1 : 0.3;
+      if (known.same_mesh) {
+        EXPECT_NEAR(first, known.coarse[i], like) << known.nu << " " << i;
+      }
+      EXPECT_NEAR(second, known.fine[i], like) << known.nu << " " << i;
+      const double seen =
+          order(std::abs(first - known.limit[i]), std::abs(second - known.limit[i]));
+      EXPECT_GT(seen, known.least_order) << known.nu << " " << i;
+      RecordProperty(
+          "error_" + std::to_string(i) + "_" + std::to_string(static_cast<int>(known.formulation)),
+          std::to_string(first) + " " + std::to_string(second));
     }
   }
 }

@@ -53,7 +53,7 @@ Outcome outcome_of(MPI_Comm comm, const std::vector<std::string>& changes) {
 }
 
 TEST(SpaceMpi, RunsAreTheSameOnAnyNumberOfRanks) {
-  for (const std::string element : {"p1", "p1_averaged"}) {
+  for (const std::string element : {"p1", "p1_averaged", "p2"}) {
     for (const std::string time :
          {"{method: quasi_static, step: 10 ms, duration: 40 ms}",
           "{method: implicit, step: 5 ms, duration: 40 ms}",
@@ -104,7 +104,7 @@ TEST(SpaceMpi, NeedlesAreTheSameOnAnyNumberOfRanks) {
 
 // The patch test: uniform strain on tetrahedra of which no two are alike.
 TEST(SpaceMpi, ALinearFieldIsExactOnAnyNumberOfRanks) {
-  for (const std::string element : {"p1", "p1_averaged"}) {
+  for (const std::string element : {"p1", "p1_averaged", "p2"}) {
     Simulation simulation(MPI_COMM_WORLD,
                           scene_of(R"(
 mesh: {box: {size: [8 cm, 6 cm, 4 cm], columns: 8, rows: 6, layers: 4, jitter: 0.25}}
@@ -130,24 +130,26 @@ time: {method: quasi_static}
 
 // The owner computes its rows in the order of cells, so K is the same to the last bit.
 TEST(SpaceMpi, RowsHaveTheSameBits) {
-  const Scene given = scene_of(scene, {"tissue.formulation=p1_averaged"});
-  const NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, given);
-  const auto here = make_tissue(MPI_COMM_WORLD, given, numbered);
-  NumberedMesh alone = make_mesh(MPI_COMM_WORLD, given);
-  alone.first_node = {0, alone.mesh.n_nodes()};
-  const auto whole = make_tissue(MPI_COMM_SELF, given, alone);
-  for (int row = here->first_dof(); row < here->end_dof(); ++row) {
-    PetscInt n = 0;
-    PetscInt m = 0;
-    const PetscInt* columns = nullptr;
-    const PetscScalar* values = nullptr;
-    std::vector<double> mine;
-    check(MatGetRow(here->stiffness(), row, &n, &columns, &values));
-    mine.assign(values, values + n);
-    check(MatRestoreRow(here->stiffness(), row, &n, &columns, &values));
-    check(MatGetRow(whole->stiffness(), row, &m, &columns, &values));
-    EXPECT_EQ(mine, std::vector<double>(values, values + m));
-    check(MatRestoreRow(whole->stiffness(), row, &m, &columns, &values));
+  for (const std::string element : {"p1_averaged", "p2"}) {
+    const Scene given = scene_of(scene, {"tissue.formulation=" + element});
+    const NumberedMesh numbered = make_mesh(MPI_COMM_WORLD, given);
+    const auto here = make_tissue(MPI_COMM_WORLD, given, numbered);
+    NumberedMesh alone = make_mesh(MPI_COMM_WORLD, given);
+    alone.first_node = {0, alone.mesh.n_nodes()};
+    const auto whole = make_tissue(MPI_COMM_SELF, given, alone);
+    for (int row = here->first_dof(); row < here->end_dof(); ++row) {
+      PetscInt n = 0;
+      PetscInt m = 0;
+      const PetscInt* columns = nullptr;
+      const PetscScalar* values = nullptr;
+      std::vector<double> mine;
+      check(MatGetRow(here->stiffness(), row, &n, &columns, &values));
+      mine.assign(values, values + n);
+      check(MatRestoreRow(here->stiffness(), row, &n, &columns, &values));
+      check(MatGetRow(whole->stiffness(), row, &m, &columns, &values));
+      EXPECT_EQ(mine, std::vector<double>(values, values + m));
+      check(MatRestoreRow(whole->stiffness(), row, &m, &columns, &values));
+    }
   }
 }
 

@@ -37,9 +37,8 @@ class SpacePatch : public testing::TestWithParam<Formulation> {
   SpacePatch() : body(bricks({0.08, 0.06, 0.04}, {5, 4, 3}, 0.25), solid(elastic, GetParam())) {}
   Slab body;
 };
-INSTANTIATE_TEST_SUITE_P(Kinds,
-                         SpacePatch,
-                         testing::Values(Formulation::p1, Formulation::p1_averaged));
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, SpacePatch, testing::Values(Formulation::p1, Formulation::p1_averaged, Formulation::p2));
 
 TEST_P(SpacePatch, LinearFieldLeavesNoForceInside) {
   const OwnedVec u = nodal_in_space(body.tissue, body.mesh, linear_field);
@@ -89,8 +88,7 @@ TEST_P(SpacePatch, StressIsConstantAndEnergyThatOfTheStiffness) {
   const double tolerance = round_off * std::abs(exact.xx) * 10;
   double energy = 0;
   for (int c = 0; c < body.mesh.n_cells(); ++c) {
-    const auto element = simplex<3>(body.mesh, c);
-    const auto gradient = element.displacement_gradient(corner_values<3>(body.mesh, c, u));
+    const auto gradient = gradient_at(body.mesh, c, {0.1, 0.2, 0.3, 0.4}, u);
     const double mu = body.tissue.moduli(c).mu;
     const VolumetricState volume = body.tissue.volumetric(body.mesh, c, u);
     const Stress s = space_stress(gradient, mu, volume.pressure);
@@ -100,7 +98,8 @@ TEST_P(SpacePatch, StressIsConstantAndEnergyThatOfTheStiffness) {
     EXPECT_NEAR(s.xy, exact.xy, tolerance);
     EXPECT_NEAR(s.yz, exact.yz, tolerance);
     EXPECT_NEAR(s.zx, exact.zx, tolerance);
-    energy += element.measure * (volume.energy_density + shear_energy_density(gradient, mu));
+    energy +=
+        body.mesh.cell_measure(c) * (volume.energy_density + shear_energy_density(gradient, mu));
   }
   const auto force = product(body.tissue, body.tissue.stiffness(), vec.get());
   double work = 0;
@@ -115,10 +114,12 @@ TEST_P(SpacePatch, EnergyOfAnyFieldIsThatOfTheStiffness) {
   const auto u = gather_all(vec.get());
   double energy = 0;
   for (int c = 0; c < body.mesh.n_cells(); ++c) {
-    const auto element = simplex<3>(body.mesh, c);
-    const auto gradient = element.displacement_gradient(corner_values<3>(body.mesh, c, u));
-    energy += element.measure * (body.tissue.volumetric(body.mesh, c, u).energy_density +
-                                 shear_energy_density(gradient, body.tissue.moduli(c).mu));
+    double density = body.tissue.volumetric(body.mesh, c, u).energy_density;
+    for (const auto& point : tetrahedron_points()) {
+      density +=
+          shear_energy_density(gradient_at(body.mesh, c, point, u), body.tissue.moduli(c).mu) / 4;
+    }
+    energy += density * body.mesh.cell_measure(c);
   }
   const auto force = product(body.tissue, body.tissue.stiffness(), vec.get());
   double work = 0;
@@ -140,6 +141,36 @@ TEST_P(SpacePatch, RigidMotionsAreForceFree) {
             }),
             10 * round_off * strained);
   EXPECT_LT(force_of(turn), 10 * round_off * strained);
+}
+
+// Its forces are those of the constant body force that it needs, so both are exact.
+TEST(QuadraticPatch, AQuadraticFieldIsExact) {
+  Slab body(bricks({0.08, 0.06, 0.04}, {3, 3, 2}, 0.25), solid(elastic, Formulation::p2));
+  const auto field = [](ReferencePlace x) {
+    return Vector3{x.x * x.y - 0.5 * x.z * x.z, x.y * x.y + 0.3 * x.x * x.z, x.z * x.z - x.x * x.x};
+  };
+  // -div sigma = -(lambda + mu) grad div u - mu (sum of second derivatives)
+  const Moduli m = lame_moduli(elastic);
+  const Vector3 f = (-(m.lambda + m.mu)) * Vector3{0, 3, 2} + (-m.mu) * Vector3{-1, 2, 0};
+  const auto exact = gather_all(nodal_in_space(body.tissue, body.mesh, field).get());
+  std::vector<double> force(exact.size());
+  for (int c = 0; c < body.mesh.n_cells(); ++c) {
+    for (std::size_t k = 0; k < 10; ++k) {
+      const double share = body.mesh.cell_measure(c) * (k < 4 ? -1.0 / 20 : 1.0 / 5);
+      double* of_node = &force[3 * static_cast<std::size_t>(body.mesh.nodes(c)[k])];
+      for (std::size_t i = 0; i < 3; ++i) of_node[i] += share * std::array{f.x, f.y, f.z}[i];
+    }
+  }
+  ConstraintSet boundary;
+  for (int dof = 0; dof < body.tissue.n_dofs(); ++dof) {
+    if (!body.mesh.on_boundary(dof / 3)) continue;
+    boundary.dofs.push_back({dof, exact[static_cast<std::size_t>(dof)]});
+  }
+  ASSERT_LT(boundary.dofs.size(), exact.size());
+  const auto u = at_rest(body, force, boundary);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    EXPECT_NEAR(u[i], exact[i], round_off * largest(exact));
+  }
 }
 
 TEST_P(SpacePatch, MassIsThatOfTheVolume) {

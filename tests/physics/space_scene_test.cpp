@@ -39,7 +39,7 @@ void expect_pulled(const Simulation& simulation) {
 }
 
 TEST(SpaceScene, AtRestTheFieldIsLinear) {
-  for (const std::string element : {"p1", "p1_averaged"}) {
+  for (const std::string element : {"p1", "p1_averaged", "p2"}) {
     Simulation simulation(MPI_COMM_WORLD, scene_of(pulled, {"tissue.formulation=" + element}),
                           false);
     run_to_end(simulation);
@@ -49,7 +49,7 @@ TEST(SpaceScene, AtRestTheFieldIsLinear) {
 }
 
 TEST(SpaceScene, LongImplicitStepsComeToRestThere) {
-  for (const std::string element : {"p1", "p1_averaged"}) {
+  for (const std::string element : {"p1", "p1_averaged", "p2"}) {
     Simulation simulation(
         MPI_COMM_WORLD,
         scene_of(pulled, {"time={method: implicit, step: 1000 s, duration: 5000 s}",
@@ -63,7 +63,7 @@ TEST(SpaceScene, LongImplicitStepsComeToRestThere) {
 // Damped, explicit steps come to rest there too. What their energy balance misses is of the sudden load and
 // of second order in the step, as in the plane.
 TEST(SpaceScene, DampedExplicitStepsComeToRestThere) {
-  for (const std::string element : {"p1", "p1_averaged"}) {
+  for (const std::string element : {"p1", "p1_averaged", "p2"}) {
     double missed[2] = {0, 0};
     for (const std::size_t i : {0U, 1U}) {
       const Scene scene = scene_of(
@@ -108,7 +108,7 @@ supports: {left: roller, right: roller, bottom: roller, top: roller, back: rolle
 }
 
 TEST(SpaceScene, WavesHaveTheirPeriod) {
-  for (const std::string element : {"p1", "p1_averaged"}) {
+  for (const std::string element : {"p1", "p1_averaged", "p2"}) {
     // Near half a period, 11.13 ms.
     expect_wave("{method: implicit, scheme: average_acceleration, step: 0.1 ms, duration: 11 ms}",
                 element, 0.03);
@@ -143,6 +143,23 @@ TEST(SpaceScene, BodyForceIsCarriedByTheSupports) {
   const auto bottom = *locate(simulation.mesh(), {0.04, 0, 0.02});
   const auto moved = simulation.body().world({&bottom, 1})[0] - WorldPlace{0.04, 0, 0.02};
   EXPECT_NEAR(moved.y, -9810 * 0.06 * 0.06 / (2 * 60e3), 0.01 * 9810 * 0.06 * 0.06 / (2 * 60e3));
+}
+
+TEST(SpaceScene, QuadraticTetrahedraHangUnderTheirWeightExactly) {
+  Simulation simulation(
+      MPI_COMM_WORLD,
+      scene_of(pulled, {"loads={body: [{force: [0 N/m^3, -9810 N/m^3, 0 N/m^3]}]}",
+                        "supports={top: roller, left: roller, back: roller}",
+                        "tissue.regions.tissue.poisson_ratio=0", "tissue.formulation=p2",
+                        "probes={a: [8 cm, 0 cm, 4 cm], b: [3.1 cm, 2.2 cm, 1.3 cm]}"}),
+      false);
+  run_to_end(simulation);
+  const auto world = simulation.body().world(simulation.probes());
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const double y = simulation.probes()[i].x.y;
+    const double exact = -9810 * (0.06 * 0.06 - y * y) / (2 * 60e3);
+    EXPECT_NEAR(world[i].y - y, exact, 1e-12);
+  }
 }
 
 std::string refusal(const std::vector<std::string>& changes, const std::string& scene = pulled) {
@@ -203,6 +220,9 @@ time: {method: quasi_static}
               AllOf(HasSubstr("key 'probes.corner'"), HasSubstr("[x, y], because")));
   EXPECT_THAT(refusal({"loads={traction: [{curve: right, stress: [1 Pa, 0 Pa, 0 Pa]}]}"}, plane),
               AllOf(HasSubstr("key 'loads.traction.0.stress'"), HasSubstr("force, in N/m")));
+  EXPECT_THAT(refusal({"tissue.formulation=p2"}, plane),
+              AllOf(HasSubstr("key 'tissue.formulation'"), HasSubstr("allowed: p1, p1_averaged"),
+                    HasSubstr("an element of space")));
   EXPECT_THAT(refusal({"prescribed=[{surface: right, displacement: [1 mm, null]}]"}, plane),
               AllOf(HasSubstr("key 'prescribed.0.surface'"), HasSubstr("a curve")));
 }

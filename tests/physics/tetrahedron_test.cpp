@@ -1,6 +1,7 @@
 // The linear tetrahedron on a cube of twelve around an inner node.
 #include "stylet/fem/element.hpp"
 #include "stylet/fem/material.hpp"
+#include "stylet/fem/quadratic_tetrahedron.hpp"
 
 #include <gtest/gtest.h>
 
@@ -135,11 +136,48 @@ TEST(Tetrahedron, MassAddsUpToTheVolume) {
     for (std::size_t a = 0; a < 4; ++a) {
       double row = 0;
       for (std::size_t b = 0; b < 4; ++b) row += e.consistent_mass(a, b);
-      EXPECT_NEAR(row, e.lumped_mass(), round_off * e.measure);
+      EXPECT_NEAR(row, e.lumped_mass(a), round_off * e.measure);
       sum += row;
     }
     EXPECT_NEAR(sum, e.measure, round_off * e.measure);
   }
+}
+
+// int L_a^i L_b^j ... = 6 V i! j! ... / (3 + i + j + ...)!
+TEST(QuadraticTetrahedron, MassesAreThoseOfItsShapeFunctions) {
+  const auto x = nodes();
+  const auto linear = element(x, tetrahedra(x)[0]);
+  const QuadraticTetrahedron e(linear);
+  const double tolerance = round_off * linear.measure;
+  double lumped = 0;
+  for (std::size_t a = 0; a < 10; ++a) {
+    double row = 0;
+    for (std::size_t b = 0; b < 10; ++b) row += e.consistent_mass(a, b);
+    EXPECT_NEAR(row, linear.measure * (a < 4 ? -1.0 / 20 : 1.0 / 5), tolerance);
+    EXPECT_GT(e.lumped_mass(a), 0);
+    EXPECT_NEAR(e.lumped_mass(a) / e.consistent_mass(a, a),
+                e.lumped_mass(0) / e.consistent_mass(0, 0), 1e-12);
+    lumped += e.lumped_mass(a);
+  }
+  EXPECT_NEAR(lumped, linear.measure, tolerance);
+  // Nodal values of L_0 L_1 (0 at corners, 1/4 in the middle of its edge) and of L_2^2.
+  const auto product = [&](const auto& u, const auto& v) {
+    double sum = 0;
+    for (std::size_t a = 0; a < 10; ++a) {
+      for (std::size_t b = 0; b < 10; ++b) sum += u[a] * e.consistent_mass(a, b) * v[b];
+    }
+    return sum;
+  };
+  std::array<double, 10> bubble{};
+  std::array<double, 10> square{};
+  bubble[4] = 0.25;
+  square[2] = 1;
+  for (std::size_t edge = 0; edge < 6; ++edge) {
+    if (is_of_edge(edge, 2)) square[4 + edge] = 0.25;
+  }
+  EXPECT_NEAR(product(bubble, bubble), 6 * linear.measure * 4 / 5040, tolerance);
+  EXPECT_NEAR(product(bubble, square), 6 * linear.measure * 2 / 5040, tolerance);
+  EXPECT_NEAR(product(square, square), 6 * linear.measure * 24 / 5040, tolerance);
 }
 
 TEST(Tetrahedron, GradientsBelongToTheHatFunctions) {

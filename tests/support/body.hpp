@@ -4,6 +4,7 @@
 #include "stylet/dynamics/time_integrator.hpp"
 #include "stylet/fem/tissue_operator.hpp"
 #include "stylet/mesh/mesh.hpp"
+#include "stylet/mesh/quadratic.hpp"
 #include "stylet/mesh/rectangle.hpp"
 #include "stylet/mesh/validate.hpp"
 #include "stylet/petsc/check.hpp"
@@ -55,11 +56,12 @@ inline TissueParameters material(const LinearElastic& elastic,
 /// Nodes have the numbers of the data.
 struct Slab {
   Slab(MeshData data, const TissueParameters& parameters, std::function<bool(int)> needs_flips = {})
-      : mesh(checked(std::move(data))),
+      : mesh(checked(std::move(data), parameters.formulation)),
         tissue(MPI_COMM_WORLD, mesh, {0, mesh.n_nodes()}, parameters, std::move(needs_flips)) {}
 
-  static MeshData checked(MeshData data) {
+  static MeshData checked(MeshData data, Formulation formulation) {
     validate(data);
+    if (formulation == Formulation::p2) add_mid_edge_nodes(data);
     return data;
   }
 

@@ -63,11 +63,10 @@ inline std::vector<int> dofs_on(const Mesh& mesh,
 
 /// Of the node at a place.
 inline Vector3 value_at(const Mesh& mesh, std::span<const double> u, ReferencePlace x) {
-  const auto found = *locate(mesh, x);
   Vector3 sum;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const double* of_node = &u[3 * static_cast<std::size_t>(mesh.cell(found.cell)[k])];
-    sum = sum + found.weights[k] * Vector3{of_node[0], of_node[1], of_node[2]};
+  for (const auto& [node, weight] : node_weights(mesh, *locate(mesh, x))) {
+    const double* of_node = &u[3 * static_cast<std::size_t>(node)];
+    sum = sum + weight * Vector3{of_node[0], of_node[1], of_node[2]};
   }
   return sum;
 }
@@ -77,7 +76,8 @@ inline std::vector<double> traction_on(const Mesh& mesh, const std::string& surf
   std::vector<double> force(3 * static_cast<std::size_t>(mesh.n_nodes()), 0.0);
   for (const int f : mesh.facets_of(surface)) {
     const double share = mesh.facet_measure(f) / 3;
-    for (const int node : mesh.facet(f)) {
+    const auto nodes = mesh.facet_nodes(f);
+    for (const int node : mesh.is_quadratic() ? nodes.subspan(3) : nodes) {
       double* of_node = &force[3 * static_cast<std::size_t>(node)];
       of_node[0] += share * t.x;
       of_node[1] += share * t.y;

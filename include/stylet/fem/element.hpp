@@ -22,6 +22,24 @@ struct Moduli {
   double mu = 0;
 };
 
+/// K_ab from the gradients of two shape functions (1/m), constant on a measure.
+template <int Dim>
+std::array<std::array<double, Dim>, Dim> stiffness_of(const std::array<double, Dim>& a,
+                                                      const std::array<double, Dim>& b,
+                                                      double measure,
+                                                      const Moduli& m) {
+  double product = 0;
+  for (std::size_t k = 0; k < Dim; ++k) product += a[k] * b[k];
+  std::array<std::array<double, Dim>, Dim> block{};
+  for (std::size_t i = 0; i < Dim; ++i) {
+    for (std::size_t k = 0; k < Dim; ++k) {
+      block[i][k] = measure * (m.lambda * a[i] * b[k] + m.mu * b[i] * a[k]);
+    }
+    block[i][i] += measure * m.mu * product;
+  }
+  return block;
+}
+
 template <int Dim>
 struct LinearSimplex {
   static constexpr int n_nodes = Dim + 1;
@@ -63,24 +81,15 @@ struct LinearSimplex {
 
   /// K_ab per unit thickness.
   [[nodiscard]] Block stiffness(std::size_t a, std::size_t b, const Moduli& m) const {
-    double product = 0;
-    for (std::size_t k = 0; k < Dim; ++k) product += gradient[a][k] * gradient[b][k];
-    Block block{};
-    for (std::size_t i = 0; i < Dim; ++i) {
-      for (std::size_t k = 0; k < Dim; ++k) {
-        block[i][k] = measure * (m.lambda * gradient[a][i] * gradient[b][k] +
-                                 m.mu * gradient[b][i] * gradient[a][k]);
-      }
-      block[i][i] += measure * m.mu * product;
-    }
-    return block;
+    return stiffness_of<Dim>(gradient[a], gradient[b], measure, m);
   }
 
   /// Diagonal value of M_ab per unit density and thickness.
   [[nodiscard]] double consistent_mass(std::size_t a, std::size_t b) const {
     return measure * (a == b ? 2.0 : 1.0) / ((Dim + 1) * (Dim + 2));
   }
-  [[nodiscard]] double lumped_mass() const { return measure / (Dim + 1); }
+  /// The same of every node.
+  [[nodiscard]] double lumped_mass(std::size_t /*a*/) const { return measure / (Dim + 1); }
 
   /// Displacement gradient du_i/dx_k from the corners' displacements.
   [[nodiscard]] Block displacement_gradient(const std::array<Vector, n_nodes>& u) const {

@@ -8,9 +8,9 @@
 namespace stylet {
 
 enum class Plane { stress, strain };
-/// p1: the paper's triangle, or the linear tetrahedron; p1_averaged: its dilatation is averaged around the nodes, so that it does
-/// not lock (volume_patch.hpp).
-enum class Formulation { p1, p1_averaged };
+/// p1: the paper's triangle, or the linear tetrahedron; p1_averaged: its dilatation is averaged around the
+/// nodes, so that it does not lock (volume_patch.hpp); p2: the quadratic tetrahedron, in space.
+enum class Formulation { p1, p1_averaged, p2 };
 enum class MassKind { consistent, lumped };
 
 struct LinearElastic {

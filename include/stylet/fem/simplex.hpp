@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stylet/fem/element.hpp"
+#include "stylet/fem/quadratic_tetrahedron.hpp"
 #include "stylet/mesh/mesh.hpp"
 
 namespace stylet {
@@ -29,5 +30,12 @@ std::array<typename LinearSimplex<Dim>::Vector, Dim + 1> corner_values(const Mes
   }
   return values;
 }
+
+/// Displacement gradient in a tetrahedron, linear or quadratic, at barycentric coordinates `l`. u: of all
+/// dofs (m).
+LinearSimplex<3>::Block gradient_at(const Mesh& mesh,
+                                    int cell,
+                                    const std::array<double, 4>& l,
+                                    std::span<const double> u);
 
 }  // namespace stylet

@@ -5,6 +5,8 @@
 #include "stylet/geometry/points.hpp"
 
 #include <array>
+#include <cmath>
+#include <cstddef>
 
 namespace stylet {
 
@@ -26,6 +28,21 @@ double quality(const Tetrahedron<Frame>& t) {
   }
   const double root = std::cbrt(3 * signed_volume(t));
   return edges > 0 ? std::copysign(12 * root * root / edges, root) : 0.0;
+}
+
+/// Barycentric coordinates of four points that integrate quadratics exactly with weights that are alike.
+/// Source: Keast, Comput. Methods Appl. Mech. Engng 55 (1986) 339.
+inline const std::array<std::array<double, 4>, 4>& tetrahedron_points() {
+  static const std::array<std::array<double, 4>, 4> points = [] {
+    const double root = std::sqrt(5.0);
+    std::array<std::array<double, 4>, 4> all{};
+    for (std::size_t q = 0; q < 4; ++q) {
+      all[q].fill((5 - root) / 20);
+      all[q][q] = (5 + 3 * root) / 20;
+    }
+    return all;
+  }();
+  return points;
 }
 
 /// Barycentric coordinates of p (sum 1; all non-negative inside).

@@ -22,6 +22,16 @@ struct EmbeddedPoint {
 
 void archive(Archive& archive, EmbeddedPoint& point);
 
+/// What a node of a cell counts for at a point in it.
+struct NodeWeight {
+  int node;
+  double weight;  ///< the value of its shape function
+};
+
+/// Of all nodes of the point's cell, in the order of mesh.nodes: the barycentric weights, or those of the
+/// quadratic shape functions L (2 L - 1) of corners and 4 L M of the middles of edges.
+[[nodiscard]] std::vector<NodeWeight> node_weights(const Mesh& mesh, const EmbeddedPoint& point);
+
 /// Walks from cell `hint` to the cell that holds x. None if x lies outside the tissue by more than
 /// round-off.
 [[nodiscard]] std::optional<EmbeddedPoint> locate(const Mesh& mesh, ReferencePlace x, int hint = 0);

@@ -29,10 +29,16 @@ class Mesh {
   [[nodiscard]] int n_cells() const { return data_.n_cells(); }
   [[nodiscard]] const MeshData& data() const { return data_; }
 
-  /// Nodes of a cell (dim + 1), counter-clockwise in 2D.
+  [[nodiscard]] bool is_quadratic() const { return data_.is_quadratic(); }
+  /// Corners of a cell (dim + 1), counter-clockwise in 2D.
   [[nodiscard]] std::span<const int> cell(int c) const {
     const auto width = static_cast<std::size_t>(data_.dim) + 1;
     return {data_.cells.data() + static_cast<std::size_t>(c) * width, width};
+  }
+  /// All nodes of a cell: its corners, and behind them the mid-edge nodes of a quadratic one.
+  [[nodiscard]] std::span<const int> nodes(int c) const {
+    const auto width = static_cast<std::size_t>(data_.n_cell_nodes());
+    return {data_.cell_nodes().data() + static_cast<std::size_t>(c) * width, width};
   }
   /// Coordinates of a node (dim numbers, m).
   [[nodiscard]] std::span<const double> coordinates(int node) const {
@@ -81,10 +87,15 @@ class Mesh {
   /// Facets of a named curve (3D: surface) as indices into data().facets (units of dim nodes); throws
   /// InputError that lists the curves if the name is unknown.
   [[nodiscard]] std::vector<int> facets_of(const std::string& curve) const;
-  /// Nodes of a facet (dim of them).
+  /// Corners of a facet (dim of them).
   [[nodiscard]] std::span<const int> facet(int f) const {
     const auto width = static_cast<std::size_t>(data_.dim);
     return {data_.facets.data() + static_cast<std::size_t>(f) * width, width};
+  }
+  /// All nodes of a facet: 6 of a quadratic one, corners first.
+  [[nodiscard]] std::span<const int> facet_nodes(int f) const {
+    if (!is_quadratic()) return facet(f);
+    return {data_.quadratic_facets.data() + 6 * static_cast<std::size_t>(f), 6};
   }
   /// Length or area of a facet.
   [[nodiscard]] double facet_measure(int f) const;

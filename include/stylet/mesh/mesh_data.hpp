@@ -38,6 +38,10 @@ struct MeshData {
   std::vector<std::string> region_names;
   std::vector<int> facets;       ///< dim nodes a facet, of named boundaries and named inner curves
   std::vector<int> facet_curve;  ///< index into curve_names, one a facet
+  /// Of quadratic tetrahedra (quadratic.hpp), else empty: the nodes of a cell, corners first (10), and of
+  /// a facet (6).
+  std::vector<int> quadratic_cells;
+  std::vector<int> quadratic_facets;
   std::vector<std::string> curve_names;
   std::vector<StrayCurve> stray_curves;
   std::string source;  ///< file or generator, for messages
@@ -46,6 +50,13 @@ struct MeshData {
   [[nodiscard]] int n_nodes() const { return static_cast<int>(coordinates.size()) / dim; }
   [[nodiscard]] int n_cells() const { return static_cast<int>(cells.size()) / (dim + 1); }
   [[nodiscard]] int n_facets() const { return static_cast<int>(facets.size()) / dim; }
+
+  [[nodiscard]] bool is_quadratic() const { return !quadratic_cells.empty(); }
+  /// Nodes of all cells, corners and others; n_cell_nodes() each.
+  [[nodiscard]] const std::vector<int>& cell_nodes() const {
+    return is_quadratic() ? quadratic_cells : cells;
+  }
+  [[nodiscard]] int n_cell_nodes() const { return is_quadratic() ? 10 : dim + 1; }
 
   /// Takes curves and their facets out, for the reasons given.
   void make_stray(const std::map<int, std::string>& fault_of_curve);

@@ -16,6 +16,7 @@ struct FieldSample {
   std::vector<int> cells;           ///< dim + 1 a cell
   std::vector<double> u;            ///< dim a node (m)
   int dim = 2;
+  std::vector<int> quadratic_cells{};  ///< 10 nodes a quadratic tetrahedron, or none
 };
 
 void archive(Archive& archive, FieldSample& sample);
@@ -29,7 +30,7 @@ void write_fields(const std::string& path, const std::vector<FieldSample>& sampl
 [[nodiscard]] std::vector<FieldSample> read_fields(const std::string& path);
 
 /// || u - u_fine || / || u_fine || in L2 over the fine mesh, by a rule that is exact for quadratics
-/// on every fine cell: exact where the meshes are nested, and where the needle has moved nodes
+/// on every fine cell: exact where cells are linear and the meshes are nested, and where the needle has moved nodes
 /// the coarse field is evaluated where the fine one's points lie.
 [[nodiscard]] double relative_distance(const FieldSample& coarse, const FieldSample& fine);
 
