@@ -92,6 +92,16 @@ TEST(TrackInSpace, AnInsertionConvergesToTheNeedlesRadius) {
   }
 }
 
+TEST(TrackInSpace, AnInsertionThroughQuadraticTetrahedra) {
+  const Course course = course_of({"tissue.formulation=p2", "time.step=100 ms"});
+  const double known[3] = {4.625, 4.558, 4.493};  // mm
+  for (int i = 0; i < 3; ++i) {
+    const double cut = 0.015 + 0.01 * i;
+    EXPECT_NEAR(1e3 * course.at(cut, course.drag), known[i], 0.01 * known[i]) << cut;
+    RecordProperty("drag_" + std::to_string(i), std::to_string(1e3 * course.at(cut, course.drag)));
+  }
+}
+
 TEST(TrackInSpace, AnInsertionIsTheSameInShorterStepsAndSlowImplicitOnes) {
   const Course longer = course_of({"needles.0.motion.0.insert.depth=20 mm"});
   for (const std::vector<std::string>& changes :
