@@ -51,8 +51,7 @@ EarlierCuts CutPath::leave() const {
   EarlierCuts cuts = tissue_.earlier;
   cuts.punctures = punctures_;
   if (is_uncut()) return cuts;
-  auto& path = cuts.paths.emplace_back();
-  for (const auto& shaft : track_.nodes()) path.push_back(mesh_.point(shaft.node));
+  cuts.paths.push_back(line());
   return cuts;
 }
 

@@ -179,7 +179,8 @@ void EmbeddedPath::stand() {
 }
 
 EmbeddedPath::Plan EmbeddedPath::plan(const NeedleView&) {
-  if (leaves_) throw Blocked("its tip has reached the end of the tissue ahead");
+  if (leaves_)
+    throw Blocked("its tip has cut deeper than the needle ever goes, by all of its length");
   Plan plan;
   if (!end_ && find_base()) {
     remaining_ = 0;

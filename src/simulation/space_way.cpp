@@ -44,27 +44,6 @@ std::vector<SurfaceTriangle> sides_near(const Mesh& mesh, ReferencePlace x, doub
   return sides;
 }
 
-// Mindlin's image is that of a plane, and right for needles up to 40 degrees from its normal.
-bool is_below_plane_skin(const Mesh& mesh, const NeedlePath& path, double radius) {
-  constexpr double flat = 0.02;  // of the radius
-  constexpr double least_cosine = 0.76;
-  const auto sides = sides_near(mesh, path.skin_point, radius);
-  const auto away = [&](const SurfaceTriangle& side) {
-    return distance(nearest_point(side, path.skin_point), path.skin_point);
-  };
-  const auto entered = std::ranges::min_element(sides, {}, away);
-  if (entered == sides.end()) return false;
-  const auto& [a, b, c] = *entered;
-  const Vector3 across = cross(b - a, c - a);
-  const Vector3 normal = 1 / norm(across) * across;
-  if (std::abs(dot(normal, path.direction)) < least_cosine) return false;
-  return std::ranges::all_of(sides, [&](const SurfaceTriangle& side) {
-    return std::ranges::all_of(side, [&](ReferencePlace x) {
-      return std::abs(dot(x - path.skin_point, normal)) < flat * radius;
-    });
-  });
-}
-
 }  // namespace
 
 void refuse_needle(const Scene& scene,
@@ -154,8 +133,26 @@ std::vector<SurfaceTriangle> membrane_surface(const Scene& scene, const Mesh& me
   return surface;
 }
 
+// Mindlin's image is that of a plane, and right for needles up to 40 degrees from its normal.
 bool has_plane_skin(const Mesh& mesh, const NeedleParameters& needle, const NeedlePath& path) {
-  return is_below_plane_skin(mesh, path, needle.space.kernel_radius);
+  const double radius = needle.space.kernel_radius;
+  constexpr double flat = 0.02;  // of the radius
+  constexpr double least_cosine = 0.76;
+  const auto sides = sides_near(mesh, path.skin_point, radius);
+  const auto away = [&](const SurfaceTriangle& side) {
+    return distance(nearest_point(side, path.skin_point), path.skin_point);
+  };
+  const auto entered = std::ranges::min_element(sides, {}, away);
+  if (entered == sides.end()) return false;
+  const auto& [a, b, c] = *entered;
+  const Vector3 across = cross(b - a, c - a);
+  const Vector3 normal = 1 / norm(across) * across;
+  if (std::abs(dot(normal, path.direction)) < least_cosine) return false;
+  return std::ranges::all_of(sides, [&](const SurfaceTriangle& side) {
+    return std::ranges::all_of(side, [&](ReferencePlace x) {
+      return std::abs(dot(x - path.skin_point, normal)) < flat * radius;
+    });
+  });
 }
 
 double share_in_other_tissue(const Scene& scene,
@@ -201,11 +198,10 @@ std::unique_ptr<EmbeddedPath> make_path(const Scene& scene,
                                         NeedleTissue tissue) {
   const NeedlePath path = find_way(scene, mesh, needle);
   const double radius = needle.diameter / 2;
-  const TrackLayout layout{
-      .radius = radius,
-      .kernel_radius = needle.space.kernel_radius,
-      .segment = needle.space.segment,
-      .below_skin = is_below_plane_skin(mesh, path, needle.space.kernel_radius)};
+  const TrackLayout layout{.radius = radius,
+                           .kernel_radius = needle.space.kernel_radius,
+                           .segment = needle.space.segment,
+                           .below_skin = has_plane_skin(mesh, needle, path)};
   std::vector<RegionModuli> moduli(mesh.data().region_names.size());
   for (const auto& [region, material] : scene.tissue.regions) {
     const double nu = material.poisson_ratio;
