@@ -45,23 +45,32 @@ void TissueOperator::add_shared_volume(const Mesh& mesh,
 
 VolumetricState TissueOperator::volumetric(const Mesh& mesh,
                                            int cell,
-                                           std::span<const double> u) const {
-  return dim_ == 2 ? volumetric_in<2>(mesh, cell, u) : volumetric_in<3>(mesh, cell, u);
+                                           std::span<const double> u,
+                                           PatchPressures& known) const {
+  return dim_ == 2 ? volumetric_in<2>(mesh, cell, u, known)
+                   : volumetric_in<3>(mesh, cell, u, known);
 }
 
 template <int Dim>
 VolumetricState TissueOperator::volumetric_in(const Mesh& mesh,
                                               int cell,
-                                              std::span<const double> u) const {
+                                              std::span<const double> u,
+                                              PatchPressures& known) const {
   constexpr int n_corners = Dim + 1;
   const double lambda = material(cell).moduli.lambda;
   VolumetricState state;
   const auto nodes = mesh.cell(cell);
   if (averaged()) {
     for (const int node : nodes) {
-      const auto around = patches<Dim>(mesh, node);
+      const auto [found, is_new] = known.try_emplace(node);
+      auto& around = found->second;
+      if (is_new) {
+        for (const auto& patch : patches<Dim>(mesh, node)) {
+          around.emplace_back(patch.region, patch.pressure(u));
+        }
+      }
       const double p =
-          std::ranges::find(around, mesh.region(cell), &VolumePatch<Dim>::region)->pressure(u);
+          std::ranges::find(around, mesh.region(cell), &std::pair<int, double>::first)->second;
       state.pressure += p / n_corners;
       if (lambda > 0) state.energy_density += p * p / (2 * n_corners * lambda);
     }

@@ -24,9 +24,10 @@ void add_cell_fields(const Simulation& simulation,
   Field mises{"von_mises", true, 1, std::vector<double>(n), "Pa"};
   Field energy{"strain_energy_density", true, 1, std::vector<double>(n), "J/m^3"};
   FlagField region{"region", true, std::vector<int>(n)};
+  PatchPressures known;
   for (std::size_t i = 0; i < n; ++i) {
     const int c = new_of_old_cell[static_cast<std::size_t>(rows.begin) + i];
-    const auto [s, pressure, density] = stress_in(simulation, c, u);
+    const auto [s, pressure, density] = stress_in(simulation, c, u, known);
     xx.values[i] = s.xx;
     yy.values[i] = s.yy;
     xy.values[i] = s.xy;

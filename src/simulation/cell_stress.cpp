@@ -29,10 +29,13 @@ LinearSimplex<2>::Block plane_gradient(const Simulation& simulation,
 
 }  // namespace
 
-CellStress stress_in(const Simulation& simulation, int cell, std::span<const double> u) {
+CellStress stress_in(const Simulation& simulation,
+                     int cell,
+                     std::span<const double> u,
+                     PatchPressures& known) {
   const Mesh& mesh = simulation.mesh();
   const double mu = simulation.tissue().moduli(cell).mu;
-  const auto [pressure, volume_energy] = simulation.tissue().volumetric(mesh, cell, u);
+  const auto [pressure, volume_energy] = simulation.tissue().volumetric(mesh, cell, u, known);
   if (mesh.dim() == 3) {
     const auto h = gradient_at(mesh, cell, {0.25, 0.25, 0.25, 0.25}, u);
     double shear = 0;  // the mean over the cell

@@ -44,11 +44,7 @@ Cholesky::Cholesky(MPI_Comm comm, PetscInt n_dofs)
   cholmod_l_start(&common_);
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.print = 0;
-  // Nested dissection has shorter paths and a quarter fewer entries on large meshes; minimum degree is
-  // faster on small ones.
-  constexpr PetscInt large = 10000;
   common_.nmethods = 1;
-  common_.method[0].ordering = n_dofs > large ? CHOLMOD_METIS : CHOLMOD_AMD;
 }
 
 Cholesky::~Cholesky() {
@@ -63,7 +59,16 @@ void Cholesky::factor(Mat a) {
   PetscObjectId id = 0;
   check(PetscObjectGetId(reinterpret_cast<PetscObject>(a), &id));
   const bool same = id == a_id_;
-  if (!same) cholmod_l_free_factor(&l_, &common_);
+  panels_.clear();
+  if (!same) {
+    cholmod_l_free_factor(&l_, &common_);
+    // Nested dissection has shorter paths and fewer entries, a quarter in large meshes of the plane, a third in
+    // space; minimum degree is faster on small ones of the plane.
+    constexpr std::size_t large = 10000;
+    PetscInt dim = 0;
+    check(MatGetBlockSize(a, &dim));
+    common_.method[0].ordering = dim == 3 || n_ > large ? CHOLMOD_METIS : CHOLMOD_AMD;
+  }
   const int ranks = size_of(comm_);
   if (ranks == 1) {
     read(a);

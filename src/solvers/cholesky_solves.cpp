@@ -10,7 +10,6 @@
 #include <petscblaslapack.h>
 
 #include <algorithm>
-#include <array>
 
 namespace stylet {
 
@@ -121,23 +120,6 @@ STYLET_LANES void up(const Trapezoid& l, double* __restrict own, const double* _
   }
 }
 
-/// Rows of B that are unit vectors.
-struct UnitRows {
-  std::span<const int> dofs;
-  [[nodiscard]] std::size_t size() const { return dofs.size(); }
-  [[nodiscard]] std::array<DofValue, 1> operator[](std::size_t i) const { return {{{dofs[i], 1}}}; }
-  [[nodiscard]] UnitRows subspan(std::size_t first, std::size_t n) const {
-    return {dofs.subspan(first, n)};
-  }
-};
-
-template <class Rows>
-void add_dofs(const Rows& rows, std::vector<int>& dofs) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (const auto& [dof, value] : rows[i]) dofs.push_back(dof);
-  }
-}
-
 }  // namespace
 
 // w: n columns of `size` rows.
@@ -206,8 +188,8 @@ void Cholesky::backward(std::span<const int> fronts, double* w, Index size, int 
   }
 }
 
-template <class Rows>
-std::vector<double> Cholesky::entries_between(const Rows& rows, const Rows& columns) {
+std::vector<double> Cholesky::inverse_entries(std::span<const int> rows,
+                                              std::span<const int> columns) {
   static const LogEvent event("StyletColumns");
   const LogScope scope(event);
   constexpr std::size_t batch = 32;
@@ -216,28 +198,23 @@ std::vector<double> Cholesky::entries_between(const Rows& rows, const Rows& colu
   const std::size_t from = columns.size() * rank / ranks;
   const std::size_t to = columns.size() * (rank + 1) / ranks;
   std::vector<double> entries(rows.size() * columns.size(), 0.0);
-  std::vector<int> all;
-  add_dofs(rows, all);
-  add_dofs(columns, all);
+  std::vector<int> all(rows.begin(), rows.end());
+  all.insert(all.end(), columns.begin(), columns.end());
   Path path = path_of(all);
   compact(path);
   for (std::size_t first = from; first < to; first += batch) {
     const auto some = columns.subspan(first, std::min(batch, to - first));
     const auto n = static_cast<int>(some.size());
     std::vector<double> w(at(path.size * n), 0.0);
-    std::vector<int> behind;
-    add_dofs(some, behind);
     for (std::size_t k = 0; k < some.size(); ++k) {
-      double* const column = w.data() + k * at(path.size);
-      for (const auto& [dof, value] : some[k]) column[place(column_[at(dof)])] = value;
+      w[k * at(path.size) + at(place(column_[at(some[k])]))] = 1;
     }
-    forward(path_of(behind).fronts, w.data(), path.size, n);
+    forward(path_of(some).fronts, w.data(), path.size, n);
     backward(path.fronts, w.data(), path.size, n);
     for (std::size_t k = 0; k < some.size(); ++k) {
       const double* const column = w.data() + k * at(path.size);
       for (std::size_t i = 0; i < rows.size(); ++i) {
-        double& entry = entries[(first + k) * rows.size() + i];
-        for (const auto& [dof, value] : rows[i]) entry += value * column[place(column_[at(dof)])];
+        entries[(first + k) * rows.size() + i] = column[place(column_[at(rows[i])])];
       }
     }
   }
@@ -247,15 +224,6 @@ std::vector<double> Cholesky::entries_between(const Rows& rows, const Rows& colu
                   MPI_SUM, comm_);
   }
   return entries;
-}
-
-std::vector<double> Cholesky::inverse_entries(std::span<const int> rows,
-                                              std::span<const int> columns) {
-  return entries_between(UnitRows{rows}, UnitRows{columns});
-}
-
-std::vector<double> Cholesky::inverse_entries(std::span<const SparseRow> rows, std::size_t from) {
-  return entries_between(rows, rows.subspan(from));
 }
 
 void Cholesky::load(Vec b) {
@@ -337,6 +305,11 @@ void Cholesky::respond(std::span<const int> dofs,
   }
   auto next = more.begin();
   for_columns(path.fronts, [&](Index i) { w_[at(i)] += *next++; });
+  finish(x);
+}
+
+// x = P' L^-T w_
+void Cholesky::finish(Vec x) {
   const auto size = static_cast<Index>(n_);
   backward(top_, w_.data(), size, 1);
   backward(mine_, w_.data(), size, 1);

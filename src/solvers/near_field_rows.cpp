@@ -4,7 +4,6 @@
 #include "stylet/petsc/gather.hpp"
 #include "stylet/solvers/near_field.hpp"
 
-#include <map>
 #include <utility>
 
 namespace stylet {
@@ -19,8 +18,10 @@ void NearField::follow(const TrackOperator* track) {
 
 // Nothing is near.
 void NearField::leave_all() {
+  whole_.leave_rows();
   coordinates_.clear();
   rows_.clear();
+  free_rows_.clear();
   only_dofs_ = true;
   index_.clear();
   changed_.clear();
@@ -69,6 +70,7 @@ std::vector<std::vector<double>> NearField::values(std::span<const Vec> vectors,
 }
 
 void NearField::subtract(std::size_t at, double force, Entries& r) const {
+  if (force == 0) return;
   const int c = coordinates_[at];
   if (!is_row(at) && r.owns(c)) r[c] -= force;
   for (const auto& [dof, weight] : rows_[at]) {
@@ -78,7 +80,8 @@ void NearField::subtract(std::size_t at, double force, Entries& r) const {
 
 std::vector<double> NearField::loaded(std::size_t from) {
   if (still_) return std::vector<double>(size() - from, 0.0);
-  return sum_rows(from, whole_.loaded(dofs_behind(from)));
+  return only_dofs_ ? whole_.loaded(std::span(coordinates_).subspan(from))
+                    : whole_.loaded(free_rows_, from);
 }
 
 // x = A0^-1 B^T forces. What falls on eliminated dofs their supports bear.
@@ -87,20 +90,7 @@ void NearField::answer(std::span<const double> forces, bool add_loaded, Vec x) {
     whole_.respond(std::span(coordinates_).first(forces.size()), forces, add_loaded, x);
     return;
   }
-  std::map<int, double> on;
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    if (!is_row(i)) on[coordinates_[i]] += forces[i];
-    for (const auto& [dof, weight] : rows_[i]) {
-      if (!held_.contains(dof)) on[dof] += weight * forces[i];
-    }
-  }
-  std::vector<int> dofs;
-  std::vector<double> values;
-  for (const auto& [dof, force] : on) {
-    dofs.push_back(dof);
-    values.push_back(force);
-  }
-  whole_.respond(dofs, values, add_loaded, x);
+  whole_.respond(free_rows_, forces, add_loaded, x);
 }
 
 // Columns of W from the `from`-th on: [column * size() + row].
@@ -108,13 +98,13 @@ std::vector<double> NearField::compliance(std::size_t from) {
   if (only_dofs_) {
     return whole_.inverse_entries(coordinates_, std::span(coordinates_).subspan(from));
   }
-  std::vector<SparseRow> b;  // eliminated dofs do not move
-  for (std::size_t i = 0; i < size(); ++i) {
-    b.push_back(is_row(i) ? rows_[i] : SparseRow{{coordinates_[i], 1}});
-    std::erase_if(b.back(), [&](const DofValue& entry) { return held_.contains(entry.dof); });
+  for (std::size_t i = free_rows_.size(); i < size(); ++i) {
+    free_rows_.push_back(is_row(i) ? rows_[i] : SparseRow{{coordinates_[i], 1}});
+    std::erase_if(free_rows_.back(),
+                  [&](const DofValue& entry) { return held_.contains(entry.dof); });
   }
-  std::vector<double> w =
-      still_ ? std::vector<double>(size() * (size() - from), 0.0) : whole_.inverse_entries(b, from);
+  std::vector<double> w = still_ ? std::vector<double>(size() * (size() - from), 0.0)
+                                 : whole_.inverse_entries(free_rows_, from);
   for (std::size_t j = from; j < size(); ++j) {
     for (std::size_t i = 0; i < size() && is_row(j); ++i) {
       if (!is_row(i)) continue;

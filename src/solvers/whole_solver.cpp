@@ -112,8 +112,12 @@ PetscErrorCode WholeSolver::apply(PC shell, Vec b, Vec x) {
     check(PCShellGetContext(shell, &context));
     auto* self = static_cast<WholeSolver*>(context);
     if (self->split_ != nullptr) {  // of b, which has been solved for in part
-      const auto& [dofs, forces, add_loaded] = *self->split_;
-      self->cholesky_.respond(dofs, forces, add_loaded, x);
+      const auto& [dofs, forces, add_loaded, of_rows] = *self->split_;
+      if (of_rows) {
+        self->cholesky_.respond_rows(forces, add_loaded, x);
+      } else {
+        self->cholesky_.respond(dofs, forces, add_loaded, x);
+      }
     } else {
       self->cholesky_.load(b);
       self->cholesky_.respond({}, {}, true, x);
@@ -302,33 +306,6 @@ std::vector<double> WholeSolver::inverse_entries(std::span<const int> rows,
   return entries;
 }
 
-std::vector<double> WholeSolver::inverse_entries(std::span<const SparseRow> rows,
-                                                 std::size_t from) {
-  if (ours_) return cholesky_.inverse_entries(rows, from);
-  std::vector<int> behind;
-  for (const auto& row : rows) {
-    for (const auto& [dof, weight] : row) behind.push_back(dof);
-  }
-  std::vector<double> entries;
-  for (const auto& column : rows.subspan(from)) {
-    std::vector<int> dofs;
-    std::vector<double> values;
-    for (const auto& [dof, weight] : column) {
-      dofs.push_back(dof);
-      values.push_back(weight);
-    }
-    respond(dofs, values, false, column_.get());
-    const Vec vectors[1] = {column_.get()};
-    const auto u = gather(vectors, behind)[0];
-    auto next = u.begin();
-    for (const auto& row : rows) {
-      double& entry = entries.emplace_back(0.0);
-      for (const auto& [dof, weight] : row) entry += weight * *next++;
-    }
-  }
-  return entries;
-}
-
 void WholeSolver::load(Vec b) {
   loaded_ = true;
   b_ = b;
@@ -355,24 +332,30 @@ void WholeSolver::respond(std::span<const int> dofs,
                           std::span<const double> forces,
                           bool add_loaded,
                           Vec x) {
-  const bool with_load = add_loaded && loaded_;
-  if (with_load && ours_) {
-    check(VecCopy(b_, rhs_.get()));
-  } else {
-    check(VecSet(rhs_.get(), 0));
-  }
+  start_rhs(add_loaded);
   {
     Entries rhs(rhs_.get());
     for (std::size_t i = 0; i < dofs.size(); ++i) {
       if (rhs.owns(dofs[i])) rhs[dofs[i]] += forces[i];
     }
   }
+  respond(Split{dofs, forces, add_loaded, false}, x);
+}
+
+void WholeSolver::start_rhs(bool add_loaded) {
+  if (add_loaded && loaded_ && ours_) {
+    check(VecCopy(b_, rhs_.get()));
+  } else {
+    check(VecSet(rhs_.get(), 0));
+  }
+}
+
+void WholeSolver::respond(const Split& split, Vec x) {
   if (!ours_) {
     solve(rhs_.get(), x);
-    if (with_load) check(VecAXPY(x, 1, y_.get()));
+    if (split.add_loaded && loaded_) check(VecAXPY(x, 1, y_.get()));
     return;
   }
-  const Split split{dofs, forces, add_loaded};
   split_ = &split;
   try {
     check(KSPSolve(ksp_.get(), rhs_.get(), x));

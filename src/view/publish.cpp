@@ -17,8 +17,11 @@ namespace {
 double colour_of(const Simulation& simulation,
                  Colouring colouring,
                  int cell,
-                 std::span<const double> u) {
-  if (colouring == Colouring::von_mises) return stress_in(simulation, cell, u).stress.von_mises();
+                 std::span<const double> u,
+                 PatchPressures& known) {
+  if (colouring == Colouring::von_mises) {
+    return stress_in(simulation, cell, u, known).stress.von_mises();
+  }
   double sum = 0;
   for (const int node : simulation.mesh().cell(cell)) {
     const auto at = 2 * static_cast<std::size_t>(node);
@@ -49,6 +52,7 @@ void publish_tissue(const LiveRun& run, Colouring colouring, Frame& frame) {
   frame.triangles.resize(3 * n_cells);
   frame.colouring = colouring;
   frame.colour.resize(colouring == Colouring::none ? 0 : n_cells);
+  PatchPressures known;
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const auto i = static_cast<std::size_t>(c);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -56,7 +60,7 @@ void publish_tissue(const LiveRun& run, Colouring colouring, Frame& frame) {
       frame.triangles[3 * i + k] = static_cast<std::uint32_t>(node);
     }
     if (colouring != Colouring::none) {
-      frame.colour[i] = static_cast<float>(colour_of(simulation, colouring, c, u));
+      frame.colour[i] = static_cast<float>(colour_of(simulation, colouring, c, u, known));
     }
   }
   frame.mesh_version = mesh.version();

@@ -119,10 +119,11 @@ class TissueOperator {
   /// Moduli (Pa) and density (kg/m^3) of a cell; a mixture where an edited cell covers regions.
   [[nodiscard]] Moduli moduli(int cell) const;
   [[nodiscard]] double density(int cell) const;
-  /// u: displacements of all dofs (m).
+  /// u: displacements of all dofs (m); known: of the same u, from cell to cell.
   [[nodiscard]] VolumetricState volumetric(const Mesh& mesh,
                                            int cell,
-                                           std::span<const double> u) const;
+                                           std::span<const double> u,
+                                           PatchPressures& known) const;
 
  private:
   struct CellMaterial {
@@ -169,7 +170,8 @@ class TissueOperator {
   template <int Dim>
   [[nodiscard]] VolumetricState volumetric_in(const Mesh& mesh,
                                               int cell,
-                                              std::span<const double> u) const;
+                                              std::span<const double> u,
+                                              PatchPressures& known) const;
 
   MPI_Comm comm_;
   int dim_;

@@ -14,6 +14,8 @@
 
 #include <functional>
 #include <span>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace stylet {
@@ -37,6 +39,10 @@ struct VolumePatch {
 template <int Dim>
 [[nodiscard]] std::vector<VolumePatch<Dim>> volume_patches(
     const Mesh& mesh, int node, const std::function<double(int)>& lambda);
+
+/// Pressures of a node's patches, by region (Pa), of the nodes that were asked for: of one mesh and one field of
+/// displacements.
+using PatchPressures = std::unordered_map<int, std::vector<std::pair<int, double>>>;
 
 /// Nodes within `rings` edges of a node, itself among them; ascending.
 [[nodiscard]] std::vector<int> nodes_within(const Mesh& mesh, int node, int rings);

@@ -14,9 +14,10 @@ struct CellStress {
   double energy_density = 0;  ///< J/m^3
 };
 
-/// cell: of the simulation's mesh; u: displacements of all dofs (m).
+/// cell: of the simulation's mesh; u: displacements of all dofs (m); known: of the same u, from cell to cell.
 [[nodiscard]] CellStress stress_in(const Simulation& simulation,
                                    int cell,
-                                   std::span<const double> u);
+                                   std::span<const double> u,
+                                   PatchPressures& known);
 
 }  // namespace stylet

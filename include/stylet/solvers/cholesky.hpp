@@ -7,6 +7,10 @@
 // its own to the root: a small part of L for the dofs along a line through a plane. Source: T. Davis,
 // Direct Methods for Sparse Linear Systems, SIAM 2006, sections 3.2 and 4.
 //
+// Rows of a track in space are means over many dofs, whose paths are most of L. So L^-1 P B^T is kept: B y
+// and what forces on rows change in the forward solve are products with it, which reads a fraction of L,
+// and B A^-1 B^T is its square.
+//
 // Ranks share whole solves by subtrees; the top of the tree, above those, is everyone's.
 #pragma once
 
@@ -39,9 +43,11 @@ class Cholesky {
   /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
                                                     std::span<const int> columns);
-  /// Collective. Entries of B A^-1 B^T with these rows of B, columns from the `from`-th on, in the same order.
+  /// Collective. Entries of B A^-1 B^T with these rows of B, columns from the `from`-th on, in the same
+  /// order. The rows are those of the last call since `factor` or `leave_rows`, and new ones.
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const SparseRow> rows,
                                                     std::size_t from);
+  void leave_rows() { panels_.clear(); }
 
   /// Collective. The forward solve of A y = b.
   void load(Vec b);
@@ -49,8 +55,12 @@ class Cholesky {
   void unload();
   /// Collective. y at these dofs, on every rank.
   [[nodiscard]] std::vector<double> loaded(std::span<const int> dofs);
+  /// Collective. B y for the rows of `inverse_entries` from the `from`-th on, on every rank.
+  [[nodiscard]] std::vector<double> loaded_rows(std::size_t from);
   /// Collective. x = A^-1 (forces on dofs), and y if it is asked for.
   void respond(std::span<const int> dofs, std::span<const double> forces, bool add_loaded, Vec x);
+  /// The same for forces on the first rows of `inverse_entries`.
+  void respond_rows(std::span<const double> forces, bool add_loaded, Vec x);
 
  private:
   using Index = SuiteSparse_long;
@@ -58,6 +68,13 @@ class Cholesky {
   struct Path {
     std::vector<int> fronts;
     Index size = 0;
+  };
+  /// Columns of L^-1 P B^T for some rows of B one after the other: zero but on the paths of the rows' dofs.
+  struct Panel {
+    Path path;  ///< fronts that are worked on here
+    std::size_t first;
+    std::size_t n;
+    std::vector<double> values;  ///< path.size x n
   };
   struct Front {
     Index first;
@@ -77,8 +94,9 @@ class Cholesky {
   [[nodiscard]] Path path_of(std::span<const int> dofs);
   void compact(Path& path);
   void uncompact();
-  template <class Rows>
-  [[nodiscard]] std::vector<double> entries_between(const Rows& rows, const Rows& columns);
+  void add_panel(std::span<const SparseRow> rows, std::size_t first, std::size_t n);
+  void add_product(const Panel& rows, const Panel& columns, double* entries, Index n_rows) const;
+  void finish(Vec x);
   [[nodiscard]] Index place(Index row) const {
     if (!compacted_) return row;
     const auto s = static_cast<std::size_t>(front_of_[static_cast<std::size_t>(row)]);
@@ -115,6 +133,7 @@ class Cholesky {
   std::vector<Index> columns_here_;               ///< of mine_, on the first rank also of top_
   Owned<VecScatter, VecScatterDestroy> scatter_;  ///< from a vector of dofs to those
   OwnedVec local_;
+  std::vector<Panel> panels_;
   std::vector<double> z_;  ///< L^-1 P b, by column of L
   bool loaded_ = false;
   std::vector<double> w_;      ///< work, by column of L

@@ -144,6 +144,8 @@ class NearField {
   const TrackOperator* track_ = nullptr;
   std::vector<int> coordinates_;
   std::vector<SparseRow> rows_;  ///< of B; empty for a dof
+  /// Unless there are dofs only: the same without eliminated dofs, which do not move; unit vectors for dofs.
+  std::vector<SparseRow> free_rows_;
   bool only_dofs_ = true;
   std::unordered_map<int, std::size_t> index_;
   std::vector<std::size_t> changed_;

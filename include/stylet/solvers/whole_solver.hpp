@@ -51,6 +51,8 @@ class WholeSolver {
   /// Collective. Entries of B A^-1 B^T with these rows of B, columns from the `from`-th on, in the same order.
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const SparseRow> rows,
                                                     std::size_t from);
+  /// No rows; before others than those of the last `inverse_entries` and new ones.
+  void leave_rows() { cholesky_.leave_rows(); }
 
   /// Collective. y = A^-1 b, as far as `loaded` and `respond` need it. b is lent until the next load
   /// or unload.
@@ -59,8 +61,15 @@ class WholeSolver {
   void unload();
   /// Collective. y at these dofs, on every rank.
   [[nodiscard]] std::vector<double> loaded(std::span<const int> dofs);
+  /// Collective. B y for rows from the `from`-th on; the rows are those of `inverse_entries`.
+  [[nodiscard]] std::vector<double> loaded(std::span<const SparseRow> rows, std::size_t from);
   /// Collective. x = A^-1 (forces on dofs), and y if it is asked for.
   void respond(std::span<const int> dofs, std::span<const double> forces, bool add_loaded, Vec x);
+  /// The same for forces on the first of the rows of `inverse_entries`.
+  void respond(std::span<const SparseRow> rows,
+               std::span<const double> forces,
+               bool add_loaded,
+               Vec x);
 
   /// Of KSP since the last call, 0 with a direct solver.
   [[nodiscard]] int take_iterations() { return std::exchange(iterations_, 0); }
@@ -69,13 +78,17 @@ class WholeSolver {
 
  private:
   struct Split {
-    std::span<const int> dofs;
+    std::span<const int> dofs;  ///< none if of_rows
     std::span<const double> forces;
     bool add_loaded;
+    bool of_rows;
   };
   static PetscErrorCode set_up(PC shell);
   static PetscErrorCode apply(PC shell, Vec b, Vec x);
   void configure();
+  [[nodiscard]] static std::vector<double> products(std::span<const SparseRow> rows, Vec x);
+  void start_rhs(bool add_loaded);
+  void respond(const Split& split, Vec x);
   void solve(Vec b, Vec x);
   void require_solved(Vec b, Vec x);
   void require_converged();
