@@ -87,7 +87,7 @@ void ImplicitNewmark::make_operator() {
   shift_v_ = shift_v;
   shift_a_ = shift_a;
   if (near_.wants_factor()) {
-    near_.factor(tissue_.tangent_matrix(), held_);
+    near_.factor(tissue_.tangent_matrix(), held_, [&] { return tissue_.saddle(operator_); });
   } else if (!edited_.empty()) {
     near_.changed(tissue_.tangent_matrix(), stylet::dofs_of(edited_));
   }

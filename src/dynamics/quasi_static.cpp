@@ -58,7 +58,7 @@ void QuasiStatic::factor() {
   complete();
   const std::vector<double> kept = forces();
   loaded_forces_.clear();
-  near_.factor(tissue_.stiffness(), held_);
+  near_.factor(tissue_.stiffness(), held_, [&] { return tissue_.saddle({0, 1}); });
   edited_.clear();
   start_.clear();
   accepted_.clear();

@@ -166,7 +166,7 @@ void CellOperator::multiply(Vec x, Vec z, Vec kx, Vec mz) {
   const LogScope scope(event);
   const bool both = z != nullptr;
   if (tissue_.dim() == 3) {
-    check(MatMult(tissue_.stiffness(), x, kx));
+    tissue_.apply_stiffness(x, kx);
     if (both) check(MatMult(tissue_.mass(), z, mz));
     return;
   }

@@ -94,6 +94,7 @@ void TissueOperator::make_pattern(const Mesh& mesh) {
   } else {
     lumped_ = make_vector();
   }
+  if (dim_ == 3 && averaged()) split_.emplace(comm_, mesh, first_node_, mass_columns_);
   // Multigrid builds its coarse spaces from the rigid-body motions.
   OwnedVec places = make_vector();
   check(VecSetBlockSize(places.get(), dim_));
@@ -146,6 +147,7 @@ void TissueOperator::fill_matrices(const Mesh& mesh, std::span<const int> owned_
   std::vector<double> a_rows;
   std::vector<PetscInt> columns;
   PatchCache<Dim> cache;
+  std::vector<double> shear;
   const bool consistent = parameters_.mass == MassKind::consistent;
   const auto c = tangent_combination_;
   for (const int node : owned_nodes) {
@@ -153,7 +155,21 @@ void TissueOperator::fill_matrices(const Mesh& mesh, std::span<const int> owned_
     const auto& mass_coupled = mass_columns_[static_cast<std::size_t>(node - begin_)];
     const std::size_t width = Dim * coupled.size();
     k.columns = coupled;
-    compute<Dim>(mesh, node, mass_coupled, cache, k, masses);
+    compute<Dim>(mesh, node, mass_coupled, k, masses);
+    if constexpr (Dim == 3) {
+      if (split_) {
+        shear.clear();
+        for (std::size_t i = 0; i < Dim; ++i) {
+          for (const int column : mass_coupled) {
+            const double* const block = &k.values[i * width + Dim * position(coupled, column)];
+            shear.insert(shear.end(), block, block + Dim);
+          }
+        }
+        split_->set_shear(node, mass_coupled, shear);
+        split_->set_patches(node, patches<Dim>(mesh, node, cache));
+      }
+    }
+    if (averaged()) add_shared_volume(mesh, node, coupled, cache, k.values);
     const std::vector<double>& k_rows = k.values;
     const std::vector<double>& m_rows = masses.consistent;
     const double lumped = masses.lumped;
@@ -196,6 +212,7 @@ void TissueOperator::fill_matrices(const Mesh& mesh, std::span<const int> owned_
       check(VecSetValues(lumped_.get(), Dim, rows, alike.data(), INSERT_VALUES));
     }
   }
+  if (split_) split_->assemble();
   std::vector<Mat> matrices{stiffness_.get()};
   if (mass_) matrices.push_back(mass_.get());
   if (tangent_) matrices.push_back(tangent_.get());
@@ -282,6 +299,10 @@ void TissueOperator::apply_mass(Vec x, Vec y) const {
 }
 
 void TissueOperator::apply_stiffness(Vec x, Vec y) const {
+  if (split_) {
+    split_->multiply(x, y);
+    return;
+  }
   if (kept_ == Stiffness::matrix) {
     check(MatMult(stiffness_.get(), x, y));
     return;
@@ -300,6 +321,11 @@ void TissueOperator::apply_stiffness(Vec x, Vec y) const {
 Combination TissueOperator::tangent(double shift_v, double shift_a) const {
   const auto d = parameters_.damping.value_or(RayleighDamping{});
   return {shift_a + shift_v * d.mass_factor, 1 + shift_v * d.stiffness_factor};
+}
+
+Mat TissueOperator::saddle(Combination combination) {
+  if (!split_) return nullptr;
+  return split_->saddle(combination.mass, combination.stiffness, mass_.get(), lumped_.get());
 }
 
 void TissueOperator::make_tangent(Combination combination) {

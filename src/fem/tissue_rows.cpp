@@ -14,6 +14,17 @@ std::vector<VolumePatch<Dim>> TissueOperator::patches(const Mesh& mesh, int node
   return volume_patches<Dim>(mesh, node, [this](int cell) { return material(cell).moduli.lambda; });
 }
 
+template <int Dim>
+const std::vector<VolumePatch<Dim>>& TissueOperator::patches(const Mesh& mesh,
+                                                             int node,
+                                                             PatchCache<Dim>& cache) const {
+  constexpr std::size_t several_fronts = 1 << 14;  // of nodes in the order of the numbering
+  if (cache.size() > several_fronts) cache.clear();
+  const auto [found, is_new] = cache.try_emplace(node);
+  if (is_new) found->second = patches<Dim>(mesh, node);
+  return found->second;
+}
+
 // Rows of a node from the dilatation that the patches around it share.
 template <int Dim>
 void TissueOperator::add_shared_volume(const Mesh& mesh,
@@ -21,13 +32,9 @@ void TissueOperator::add_shared_volume(const Mesh& mesh,
                                        std::span<const int> columns,
                                        PatchCache<Dim>& cache,
                                        std::vector<double>& rows) const {
-  constexpr std::size_t several_fronts = 1 << 14;  // of nodes in the order of the numbering
-  if (cache.size() > several_fronts) cache.clear();
   const std::size_t width = Dim * columns.size();
   for (const int centre : mesh.neighbours(node)) {
-    const auto [found, is_new] = cache.try_emplace(centre);
-    if (is_new) found->second = patches<Dim>(mesh, centre);
-    for (const VolumePatch<Dim>& patch : found->second) {
+    for (const VolumePatch<Dim>& patch : patches<Dim>(mesh, centre, cache)) {
       const auto* mine = patch.at(node);
       if (mine == nullptr) continue;
       const double factor = parameters_.depth() / patch.compliance;
@@ -112,19 +119,20 @@ void TissueOperator::fill_rows(const Mesh& mesh, std::span<const int> owned_node
   for (const int node : owned_nodes) {
     NodeRows& rows = rows_[static_cast<std::size_t>(node - begin_)];
     if (joins_anew) rows.columns = averaged() ? nodes_within(mesh, node, 2) : mesh.neighbours(node);
-    compute<2>(mesh, node, {}, cache, rows, masses);
+    compute<2>(mesh, node, {}, rows, masses);
+    if (averaged()) add_shared_volume(mesh, node, rows.columns, cache, rows.values);
     const auto at = 2 * (node - begin_);
     lumped[at] = lumped[at + 1] = masses.lumped;
   }
   check(VecRestoreArray(lumped_.get(), &lumped));
 }
 
-// Rows of a node from all cells around it. mass_columns: empty if only the lumped mass is asked for.
+// Rows of a node from all cells around it, without what is averaged. mass_columns: empty if only the lumped mass
+// is asked for.
 template <int Dim>
 void TissueOperator::compute(const Mesh& mesh,
                              int node,
                              std::span<const int> mass_columns,
-                             PatchCache<Dim>& cache,
                              NodeRows& rows,
                              Masses& masses) const {
   const double t = parameters_.depth();
@@ -160,12 +168,18 @@ void TissueOperator::compute(const Mesh& mesh,
     }
     add(simplex<Dim>(mesh, cell));
   }
-  if (averaged()) add_shared_volume(mesh, node, rows.columns, cache, rows.values);
 }
 
 template void TissueOperator::compute<2>(
-    const Mesh&, int, std::span<const int>, PatchCache<2>&, NodeRows&, Masses&) const;
+    const Mesh&, int, std::span<const int>, NodeRows&, Masses&) const;
 template void TissueOperator::compute<3>(
-    const Mesh&, int, std::span<const int>, PatchCache<3>&, NodeRows&, Masses&) const;
+    const Mesh&, int, std::span<const int>, NodeRows&, Masses&) const;
+template void TissueOperator::add_shared_volume<2>(
+    const Mesh&, int, std::span<const int>, PatchCache<2>&, std::vector<double>&) const;
+template void TissueOperator::add_shared_volume<3>(
+    const Mesh&, int, std::span<const int>, PatchCache<3>&, std::vector<double>&) const;
+template const std::vector<VolumePatch<3>>& TissueOperator::patches<3>(const Mesh&,
+                                                                       int,
+                                                                       PatchCache<3>&) const;
 
 }  // namespace stylet

@@ -5,6 +5,7 @@
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/solvers/signed_factor.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -40,7 +41,7 @@ class Arrays {
 }  // namespace
 
 Cholesky::Cholesky(MPI_Comm comm, PetscInt n_dofs)
-    : comm_(comm), rank_(rank_of(comm)), n_(at(n_dofs)) {
+    : comm_(comm), rank_(rank_of(comm)), n_dofs_(at(n_dofs)) {
   cholmod_l_start(&common_);
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.print = 0;
@@ -52,12 +53,13 @@ Cholesky::~Cholesky() {
   cholmod_l_finish(&common_);
 }
 
-void Cholesky::factor(Mat a) {
+void Cholesky::factor(Mat a, Mat saddle) {
   static const LogEvent event("StyletFactor");
   const LogScope scope(event);
   loaded_ = false;
   PetscObjectId id = 0;
-  check(PetscObjectGetId(reinterpret_cast<PetscObject>(a), &id));
+  Mat matrix = saddle != nullptr ? saddle : a;
+  check(PetscObjectGetId(reinterpret_cast<PetscObject>(matrix), &id));
   const bool same = id == a_id_;
   panels_.clear();
   if (!same) {
@@ -67,20 +69,39 @@ void Cholesky::factor(Mat a) {
     constexpr std::size_t large = 10000;
     PetscInt dim = 0;
     check(MatGetBlockSize(a, &dim));
-    common_.method[0].ordering = dim == 3 || n_ > large ? CHOLMOD_METIS : CHOLMOD_AMD;
+    common_.method[0].ordering = dim == 3 || n_dofs_ > large ? CHOLMOD_METIS : CHOLMOD_AMD;
+    place_unknowns(a, saddle);
   }
   const int ranks = size_of(comm_);
   if (ranks == 1) {
-    read(a);
+    read(matrix);
   } else {
     Mat whole = whole_.get();
-    check(MatCreateRedundantMatrix(a, ranks, MPI_COMM_NULL,
+    check(MatCreateRedundantMatrix(matrix, ranks, MPI_COMM_NULL,
                                    same ? MAT_REUSE_MATRIX : MAT_INITIAL_MATRIX,
                                    same ? &whole : whole_.put()));
     read(whole_.get());
   }
   if (!same) share(a);
   a_id_ = id;
+}
+
+void Cholesky::place_unknowns(Mat a, Mat saddle) {
+  PetscInt n = 0;
+  const PetscInt* dofs = nullptr;
+  const PetscInt* unknowns = nullptr;
+  Mat matrix = saddle != nullptr ? saddle : a;
+  check(MatGetSize(matrix, &n, nullptr));
+  check(MatGetOwnershipRanges(a, &dofs));
+  check(MatGetOwnershipRanges(matrix, &unknowns));
+  n_ = at(n);
+  signs_.assign(saddle != nullptr ? n_ : 0, 1.0);
+  dof_of_.assign(n_, -1);
+  for (int rank = 0; rank < size_of(comm_); ++rank) {
+    for (PetscInt dof = dofs[rank]; dof < dofs[rank + 1]; ++dof) {
+      dof_of_[at(unknowns[rank] + dof - dofs[rank])] = dof;
+    }
+  }
 }
 
 // Replaces the numbers of the factor, and its pattern if there is none.
@@ -118,11 +139,20 @@ void Cholesky::read(Mat whole) {
     static const LogEvent event("StyletOrder");
     const LogScope scope(event);
     l_ = cholmod_l_analyze(upper, &common_);
+    for (std::size_t i = 0; l_ != nullptr && i < signs_.size(); ++i) {
+      signs_[i] = dof_of_[at(static_cast<const Index*>(l_->Perm)[i])] < 0 ? -1 : 1;
+    }
   }
-  if (l_ != nullptr) cholmod_l_factorize(upper, l_, &common_);
+  bool definite = true;
+  if (l_ != nullptr && !signs_.empty()) {
+    definite = factor_signed(*l_, *upper, signs_, values_);
+  } else if (l_ != nullptr) {
+    cholmod_l_factorize(upper, l_, &common_);
+    definite = common_.status != CHOLMOD_NOT_POSDEF && l_->minor >= n_;
+  }
   cholmod_l_free_sparse(&upper, &common_);
   if (l_ == nullptr || common_.status < 0) fail(false);
-  if (common_.status == CHOLMOD_NOT_POSDEF || l_->minor < n_) fail(true);
+  if (!definite) fail(true);
   check(PetscLogFlops(common_.fl));
 }
 
@@ -132,7 +162,7 @@ Cholesky::Front Cholesky::front(int s) const {
   const auto* first_value = static_cast<const Index*>(l_->px);
   return {first[s], first[s + 1] - first[s], first_row[s + 1] - first_row[s],
           static_cast<const Index*>(l_->s) + first_row[s],
-          static_cast<const double*>(l_->x) + first_value[s]};
+          (signs_.empty() ? static_cast<const double*>(l_->x) : values_.data()) + first_value[s]};
 }
 
 // -1 at a root.
@@ -146,8 +176,11 @@ int Cholesky::parent(int s) const {
 void Cholesky::share(Mat a) {
   const auto n_fronts = static_cast<int>(l_->nsuper);
   const auto* perm = static_cast<const Index*>(l_->Perm);
-  column_.resize(n_);
-  for (std::size_t i = 0; i < n_; ++i) column_[at(perm[i])] = static_cast<Index>(i);
+  column_.resize(n_dofs_);
+  for (std::size_t i = 0; i < n_; ++i) {
+    const int dof = dof_of_[at(perm[i])];
+    if (dof >= 0) column_[at(dof)] = static_cast<Index>(i);
+  }
   front_of_.resize(n_);
   for (int s = 0; s < n_fronts; ++s) {
     const Front f = front(s);
@@ -221,8 +254,10 @@ void Cholesky::share(Mat a) {
     for (const int s : *fronts) {
       const Front f = front(s);
       for (Index i = f.first; i < f.first + f.n_columns; ++i) {
+        const int dof = dof_of_[at(perm[i])];
+        if (dof < 0) continue;
         columns_here_.push_back(i);
-        dofs.push_back(static_cast<PetscInt>(perm[i]));
+        dofs.push_back(dof);
       }
     }
   }

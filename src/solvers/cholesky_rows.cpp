@@ -62,9 +62,10 @@ void Cholesky::add_panel(std::span<const SparseRow> rows, std::size_t first, std
   panels_.push_back(std::move(panel));
 }
 
-// entries += rows' columns, [column * n_rows + row]: of the fronts that both have, each counted by one rank.
+// entries += rows' J columns, [column * n_rows + row]: of the fronts that both have, each counted by one rank.
 void Cholesky::add_product(const Panel& rows,
                            const Panel& columns,
+                           std::span<const double> signed_values,
                            double* entries,
                            Index n_rows) const {
   const auto rows_n = static_cast<PetscBLASInt>(rows.n);
@@ -73,7 +74,7 @@ void Cholesky::add_product(const Panel& rows,
   const auto columns_stride = static_cast<PetscBLASInt>(columns.path.size);
   const auto stride = static_cast<PetscBLASInt>(n_rows);
   const double* a = rows.values.data();
-  const double* b = columns.values.data();
+  const double* b = signed_values.data();
   auto s = rows.path.fronts.begin();
   auto t = columns.path.fronts.begin();
   while (s != rows.path.fronts.end() && t != columns.path.fronts.end()) {
@@ -111,9 +112,16 @@ std::vector<double> Cholesky::inverse_entries(std::span<const SparseRow> rows, s
   std::vector<double> entries(rows.size() * (rows.size() - from), 0.0);
   for (const auto& columns : panels_) {
     if (columns.first < from) continue;
+    std::vector<double> signed_values = columns.values;
+    if (!signs_.empty()) {
+      auto value = signed_values.begin();
+      for (std::size_t k = 0; k < columns.n; ++k) {
+        for_columns(columns.path.fronts, [&](Index i) { *value++ *= signs_[at(i)]; });
+      }
+    }
     double* const to = entries.data() + (columns.first - from) * rows.size();
     for (const auto& panel : panels_) {
-      add_product(panel, columns, to + panel.first, static_cast<Index>(rows.size()));
+      add_product(panel, columns, signed_values, to + panel.first, static_cast<Index>(rows.size()));
     }
   }
   if (size_of(comm_) > 1 && !entries.empty()) {
@@ -175,7 +183,10 @@ void Cholesky::respond_rows(std::span<const double> forces, bool add_loaded, Vec
     BLASgemv_("N", &size, &columns, &one, panel.values.data(), &size, of_panel.data(), &unit, &zero,
               more.data(), &unit);
     auto next = more.begin();
-    for_columns(panel.path.fronts, [&](Index i) { w_[at(i)] += *next++; });
+    for_columns(panel.path.fronts, [&](Index i) {
+      w_[at(i)] += signs_.empty() ? *next : signs_[at(i)] * *next;
+      ++next;
+    });
   }
   finish(x);
 }

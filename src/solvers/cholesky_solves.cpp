@@ -155,6 +155,17 @@ void Cholesky::forward(std::span<const int> fronts, double* w, Index size, int n
   }
 }
 
+// Between the two.
+void Cholesky::apply_signs(double* w,
+                           std::span<const int> fronts,
+                           Index size,
+                           std::size_t n) const {
+  if (signs_.empty()) return;
+  for (std::size_t k = 0; k < n; ++k, w += size) {
+    for_columns(fronts, [&](Index i) { w[place(i)] *= signs_[at(i)]; });
+  }
+}
+
 void Cholesky::backward(std::span<const int> fronts, double* w, Index size, int n) {
   const auto columns = static_cast<PetscBLASInt>(n);
   const auto stride = static_cast<PetscBLASInt>(size);
@@ -210,6 +221,7 @@ std::vector<double> Cholesky::inverse_entries(std::span<const int> rows,
       w[k * at(path.size) + at(place(column_[at(some[k])]))] = 1;
     }
     forward(path_of(some).fronts, w.data(), path.size, n);
+    apply_signs(w.data(), path.fronts, path.size, some.size());
     backward(path.fronts, w.data(), path.size, n);
     for (std::size_t k = 0; k < some.size(); ++k) {
       const double* const column = w.data() + k * at(path.size);
@@ -233,14 +245,15 @@ void Cholesky::load(Vec b) {
   const auto size = static_cast<Index>(n_);
   if (size_of(comm_) == 1) {
     const Values values(b);
-    const auto* perm = static_cast<const Index*>(l_->Perm);
-    for (std::size_t i = 0; i < n_; ++i) z_[i] = values.data()[perm[i]];
+    if (!signs_.empty()) std::ranges::fill(z_, 0.0);
+    for (std::size_t i = 0; i < n_dofs_; ++i) z_[at(column_[i])] = values.data()[i];
     forward(mine_, z_.data(), size, 1);
+    apply_signs(z_.data(), mine_, size, 1);
     return;
   }
   check(VecScatterBegin(scatter_.get(), b, local_.get(), INSERT_VALUES, SCATTER_FORWARD));
   check(VecScatterEnd(scatter_.get(), b, local_.get(), INSERT_VALUES, SCATTER_FORWARD));
-  for_columns(top_, [&](Index i) { z_[at(i)] = 0; });
+  std::ranges::fill(z_, 0.0);
   {
     const Values values(local_.get());
     for (std::size_t i = 0; i < columns_here_.size(); ++i) {
@@ -248,6 +261,7 @@ void Cholesky::load(Vec b) {
     }
   }
   forward(mine_, z_.data(), size, 1);
+  apply_signs(z_.data(), mine_, size, 1);
   std::vector<double> sums;
   for_columns(top_, [&](Index i) { sums.push_back(z_[at(i)]); });
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
@@ -255,6 +269,7 @@ void Cholesky::load(Vec b) {
   auto sum = sums.begin();
   for_columns(top_, [&](Index i) { z_[at(i)] = *sum++; });
   forward(top_, z_.data(), size, 1);
+  apply_signs(z_.data(), top_, size, 1);
 }
 
 void Cholesky::unload() {
@@ -297,6 +312,7 @@ void Cholesky::respond(std::span<const int> dofs,
   std::vector<double> more(at(path.size), 0.0);
   for (std::size_t i = 0; i < dofs.size(); ++i) more[at(place(column_[at(dofs[i])]))] = forces[i];
   forward(path.fronts, more.data(), path.size, 1);
+  apply_signs(more.data(), path.fronts, path.size, 1);
   uncompact();
   if (add_loaded && loaded_) {
     w_ = z_;
@@ -315,8 +331,7 @@ void Cholesky::finish(Vec x) {
   backward(mine_, w_.data(), size, 1);
   if (size_of(comm_) == 1) {
     Entries values(x);
-    const auto* perm = static_cast<const Index*>(l_->Perm);
-    for (std::size_t i = 0; i < n_; ++i) values.data()[perm[i]] = w_[i];
+    for (std::size_t i = 0; i < n_dofs_; ++i) values.data()[i] = w_[at(column_[i])];
     return;
   }
   {

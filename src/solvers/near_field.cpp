@@ -55,7 +55,9 @@ bool NearField::wants_factor() const {
   return changed_.size() > std::clamp(limit, least, most);
 }
 
-void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
+void NearField::factor(Mat a,
+                       std::span<const PrescribedDof> held,
+                       const std::function<Mat()>& saddle) {
   held_.clear();
   held_here_.clear();
   if (!correction_) check(MatCreateVecs(a, correction_.put(), nullptr));
@@ -71,7 +73,12 @@ void NearField::factor(Mat a, std::span<const PrescribedDof> held) {
   }
   std::ranges::sort(held_here_);
   factored_.take(a, owned);
-  whole_.factor(factored_.matrix());
+  whole_.factor(factored_.matrix(), [&]() -> Mat {
+    Mat form = saddle ? saddle() : nullptr;
+    if (form == nullptr) return nullptr;
+    saddle_.take(form, owned);
+    return saddle_.matrix();
+  });
   stale_ = false;
   leave_all();
 }

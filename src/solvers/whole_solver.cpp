@@ -102,7 +102,8 @@ PetscErrorCode WholeSolver::set_up(PC shell) {
     void* context = nullptr;
     check(PCShellGetContext(shell, &context));
     auto* self = static_cast<WholeSolver*>(context);
-    self->cholesky_.factor(self->a_);
+    const auto& saddle = *self->saddle_;
+    self->cholesky_.factor(self->a_, saddle ? saddle() : nullptr);
   });
 }
 
@@ -171,7 +172,8 @@ void WholeSolver::configure() {
   chosen_ = another_factor || value_of("-ksp_type") || value_of("-pc_type");
 }
 
-void WholeSolver::factor(Mat a) {
+void WholeSolver::factor(Mat a, const std::function<Mat()>& saddle) {
+  saddle_ = &saddle;
   loaded_ = false;
   const bool same_layout = y_ && a == a_;
   a_ = a;

@@ -11,6 +11,7 @@
 
 #include "stylet/fem/element.hpp"
 #include "stylet/fem/parameters.hpp"
+#include "stylet/fem/split_stiffness.hpp"
 #include "stylet/fem/volume_patch.hpp"
 #include "stylet/mesh/mesh.hpp"
 #include "stylet/mesh/region_map.hpp"
@@ -105,6 +106,9 @@ class TissueOperator {
   /// The matrix that make_tangent made; a new object where the pattern was made anew.
   [[nodiscard]] Mat tangent_matrix() const { return tangent_.get(); }
 
+  /// Collective. The saddle form of a combination (split_stiffness.hpp), or null where K has no such form.
+  [[nodiscard]] Mat saddle(Combination combination);
+
   /// A vector of dofs with this layout. Collective.
   [[nodiscard]] OwnedVec make_vector() const;
   /// Dofs a node: 2 in the plane, 3 in space.
@@ -148,7 +152,6 @@ class TissueOperator {
   void compute(const Mesh& mesh,
                int node,
                std::span<const int> mass_columns,
-               PatchCache<Dim>& cache,
                NodeRows& rows,
                Masses& masses) const;
   void fill(const Mesh& mesh, std::span<const int> owned_nodes);
@@ -161,6 +164,10 @@ class TissueOperator {
   }
   template <int Dim>
   [[nodiscard]] std::vector<VolumePatch<Dim>> patches(const Mesh& mesh, int node) const;
+  template <int Dim>
+  [[nodiscard]] const std::vector<VolumePatch<Dim>>& patches(const Mesh& mesh,
+                                                             int node,
+                                                             PatchCache<Dim>& cache) const;
   template <int Dim>
   void add_shared_volume(const Mesh& mesh,
                          int node,
@@ -193,6 +200,7 @@ class TissueOperator {
   std::vector<NodeRows> rows_;               ///< of owned nodes
   std::optional<std::uint64_t> columns_of_;  ///< version of the mesh's edges
   OwnedMat stiffness_;
+  std::optional<SplitStiffness> split_;  ///< in space, with averaged dilatation
   OwnedNullSpace rigid_;
   OwnedMat mass_;
   OwnedVec lumped_;

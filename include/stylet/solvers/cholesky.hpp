@@ -1,5 +1,6 @@
 // Sparse Cholesky factor L L' = P A P' of a symmetric positive definite operator, all of it on every
-// rank, with the two triangular solves apart and along paths.
+// rank, with the two triangular solves apart and along paths. In space with averaged dilatation it is L J L',
+// J = diag(+-1), of a saddle form that has fewer entries (signed_factor.hpp).
 //
 // Columns of L with the same pattern below are one dense front (CHOLMOD's supernode); its rows belong
 // to itself and to its ancestors in the elimination tree. So what a force on one dof changes in the
@@ -32,8 +33,10 @@ class Cholesky {
   Cholesky& operator=(const Cholesky&) = delete;
   ~Cholesky();
 
-  /// Collective. Throws NumericalError if A is singular or indefinite.
-  void factor(Mat a);
+  /// Collective. saddle: null or a form of A with more unknowns, each rank's behind its dofs, with negative
+  /// pivots; eliminating those leaves A (fem/split_stiffness.hpp). Throws NumericalError if A is singular or
+  /// indefinite.
+  void factor(Mat a, Mat saddle = nullptr);
 
   /// Of L on this rank.
   [[nodiscard]] double bytes() const {
@@ -83,7 +86,9 @@ class Cholesky {
     const Index* rows;
     const double* values;  ///< column-major, n_rows x n_columns
   };
+  void place_unknowns(Mat a, Mat saddle);
   void read(Mat whole);
+  void apply_signs(double* w, std::span<const int> fronts, Index size, std::size_t n) const;
   void share(Mat a);
   [[nodiscard]] Front front(int s) const;
   [[nodiscard]] int parent(int s) const;
@@ -95,7 +100,11 @@ class Cholesky {
   void compact(Path& path);
   void uncompact();
   void add_panel(std::span<const SparseRow> rows, std::size_t first, std::size_t n);
-  void add_product(const Panel& rows, const Panel& columns, double* entries, Index n_rows) const;
+  void add_product(const Panel& rows,
+                   const Panel& columns,
+                   std::span<const double> signed_values,
+                   double* entries,
+                   Index n_rows) const;
   void finish(Vec x);
   [[nodiscard]] Index place(Index row) const {
     if (!compacted_) return row;
@@ -115,14 +124,18 @@ class Cholesky {
 
   MPI_Comm comm_;
   int rank_;
-  std::size_t n_;
+  std::size_t n_dofs_;
+  std::size_t n_ = 0;  ///< unknowns
   cholmod_common common_{};
   cholmod_factor* l_ = nullptr;
   PetscObjectId a_id_ = 0;
-  OwnedMat whole_;             ///< on several ranks, all of A
-  std::vector<int> front_of_;  ///< of a column of L
-  std::vector<Index> column_;  ///< of L, of a dof
-  std::vector<Index> place_;   ///< of a front: its place in a dense array, less its first column
+  OwnedMat whole_;              ///< on several ranks, all of A
+  std::vector<int> dof_of_;     ///< of an unknown, or -1
+  std::vector<double> signs_;   ///< of pivots, by column of L; none if all are positive
+  std::vector<double> values_;  ///< of L, with signs
+  std::vector<int> front_of_;   ///< of a column of L
+  std::vector<Index> column_;   ///< of L, of a dof
+  std::vector<Index> place_;    ///< of a front: its place in a dense array, less its first column
   bool compacted_ = false;
   std::vector<std::int64_t> stamp_;  ///< of a front: the last path that met it
   std::int64_t n_stamps_ = 0;

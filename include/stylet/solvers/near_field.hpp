@@ -37,8 +37,9 @@ class NearField {
   /// The rows behind the dofs, none for null; lent. Their compliance must be positive definite beside that of
   /// the tissue. Rows of another track are near no more, nor is anything else then.
   void follow(const TrackOperator* track);
-  /// Collective. New factor with these dofs eliminated (of all ranks); nothing near.
-  void factor(Mat a, std::span<const PrescribedDof> held);
+  /// Collective. New factor with these dofs eliminated (of all ranks); nothing near. saddle: makes another form
+  /// of A (cholesky.hpp), or null.
+  void factor(Mat a, std::span<const PrescribedDof> held, const std::function<Mat()>& saddle = {});
   /// Of the whole tissue's solver.
   [[nodiscard]] const WholeSolver& whole() const { return whole_; }
   [[nodiscard]] int take_iterations() { return whole_.take_iterations(); }
@@ -137,6 +138,7 @@ class NearField {
   PetscInt n_dofs_;
   WholeSolver whole_;
   Eliminated factored_;  ///< A0
+  Eliminated saddle_;    ///< its other form
   bool stale_ = true;
   bool still_ = false;
   std::unordered_set<int> held_;

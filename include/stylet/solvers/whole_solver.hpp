@@ -9,6 +9,7 @@
 #include "stylet/petsc/owned.hpp"
 #include "stylet/solvers/cholesky.hpp"
 
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -42,8 +43,9 @@ class WholeSolver {
   ~WholeSolver() = default;
 
   /// Collective. The operator, lent until the next one; its pattern stays as long as its object does.
-  /// Throws NumericalError if it is singular or indefinite.
-  void factor(Mat a);
+  /// saddle: makes another form of it (cholesky.hpp), or null, if our factor is to be made. Throws
+  /// NumericalError if it is singular or indefinite.
+  void factor(Mat a, const std::function<Mat()>& saddle = {});
 
   /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
@@ -96,6 +98,7 @@ class WholeSolver {
   MPI_Comm comm_;
   PetscInt n_dofs_;
   Mat a_ = nullptr;
+  const std::function<Mat()>* saddle_ = nullptr;  ///< during `factor`
   OwnedKsp ksp_;
   Cholesky cholesky_;
   bool configured_ = false;
