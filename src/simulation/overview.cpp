@@ -297,7 +297,7 @@ class Overview {
     const double n = mesh_.n_cells();
     constexpr double program = 50e6;
     constexpr double a_triangle = 2300;
-    const double memory = in_space_ ? bytes_needed(scene_, n) : program + a_triangle * n;
+    const double memory = in_space_ ? bytes_needed(scene_, n, n_ranks_) : program + a_triangle * n;
     add("size", "about " + bytes_text(memory * n_ranks_) + " of memory, " + bytes_text(disk()) +
                     " on disk");
     const auto [set_up, a_step] = in_space_ ? seconds_in_space(n) : seconds_in_the_plane(n);
@@ -326,8 +326,7 @@ class Overview {
     if (scene_.time.method == TimeMethod::explicit_newmark) {
       return {set_up, sub_steps_ * 2e-9 * row * n_dofs};
     }
-    // Made, and read twice a step; measured for quadratic cells, whose factor fills in less.
-    const double bytes = factor_bytes(3, n_dofs, mesh_.is_quadratic() ? 29 : row);
+    const double bytes = factor_bytes(3, n_dofs, row);  // made, and read twice a step
     return {set_up + 4e-9 * bytes, 1.7e-10 * bytes};
   }
 

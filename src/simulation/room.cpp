@@ -21,7 +21,7 @@ double least_memory(MPI_Comm comm) {
 
 }  // namespace
 
-double bytes_needed(const Scene& scene, double n_cells) {
+double bytes_needed(const Scene& scene, double n_cells, int ranks) {
   constexpr double program = 50e6;
   const bool factors = scene.time.method != TimeMethod::explicit_newmark;
   if (scene.dim() == 2) {
@@ -33,21 +33,33 @@ double bytes_needed(const Scene& scene, double n_cells) {
     double operators;
     double with_matrices;  ///< bytes a cell
     double dofs;           ///< a cell
-    double factor;         ///< entries of a row, as factor_bytes wants them
+    double row;            ///< entries of a row of the operator
   };
   const auto formulation = scene.tissue.formulation;
-  const Each each = formulation == Formulation::p2            ? Each{6500, 33000, 4.3, 29}
-                    : formulation == Formulation::p1_averaged ? Each{2400, 7500, 0.55, 180}
+  const Each each = formulation == Formulation::p2            ? Each{6500, 24000, 4.3, 82}
+                    : formulation == Formulation::p1_averaged ? Each{2400, 8000, 0.55, 180}
                                                               : Each{600, 2000, 0.55, 42};
   if (!factors) return program + each.operators * n_cells;
-  return program + each.with_matrices * n_cells + factor_bytes(3, each.dofs * n_cells, each.factor);
+  const double matrices = program + each.with_matrices * n_cells;
+  const double factor = factor_bytes(3, each.dofs * n_cells, each.row);
+  switch (solver_for(factor, ranks, ranks_on_a_machine(), memory_here())) {
+    case SolverKind::factor_everywhere:
+      return matrices + factor;
+    case SolverKind::factor_distributed:
+      return matrices + 2 * factor / ranks;
+    case SolverKind::multigrid:
+      break;
+  }
+  return 1.5 * matrices;  // with coarse levels and columns of the inverse
 }
 
 Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine) {
   const int ranks = ranks_on_a_machine();
   const double there = least_memory(comm);
   const auto refined = [&](int times) { return n_cells * std::pow(2.0, scene.dim() * times); };
-  const auto needed = [&](int times) { return ranks * bytes_needed(scene, refined(times)); };
+  const auto needed = [&](int times) {
+    return ranks * bytes_needed(scene, refined(times), size_of(comm));
+  };
   Room room;
   while (needed(room.finest + 1) <= there && room.finest < refine) ++room.finest;
   if (room.finest >= refine) return room;

@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/index.hpp"
+#include "stylet/base/memory.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/gather.hpp"
@@ -13,7 +14,6 @@
 #include <cstdio>
 #include <optional>
 #include <string_view>
-#include <unistd.h>
 
 namespace stylet {
 
@@ -60,8 +60,6 @@ void widen_smoother(PC pc) {
 }
 
 SolverKind kind_for(MPI_Comm comm, Mat a) {
-  const double memory =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   PetscInt n_dofs = 0;
   PetscInt dim = 0;
   MatInfo info;
@@ -69,7 +67,8 @@ SolverKind kind_for(MPI_Comm comm, Mat a) {
   check(MatGetBlockSize(a, &dim));
   check(MatGetInfo(a, MAT_GLOBAL_SUM, &info));
   const double factor = factor_bytes(dim, n_dofs, info.nz_used / n_dofs);
-  int kind = static_cast<int>(solver_for(factor, size_of(comm), ranks_on_a_machine(), memory));
+  int kind =
+      static_cast<int>(solver_for(factor, size_of(comm), ranks_on_a_machine(), memory_here()));
   // The machine with the least room decides.
   MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm);
   return static_cast<SolverKind>(kind);
@@ -81,14 +80,15 @@ double factor_bytes(int dim, double n_dofs, double entries_a_row) {
   // Measured on meshes of 1e5 to 1e6 triangles; n log n, so more than enough on smaller ones.
   constexpr double bytes_a_dof = 2400;
   if (dim == 2) return bytes_a_dof * n_dofs;
-  // Nested dissection in space, measured on 1e4 to 3e5 tetrahedra of both kinds (jobs/README.md).
-  return entries_a_row * std::pow(n_dofs, 1.46);
+  // Nested dissection in space, measured on 4e4 to 1e6 tetrahedra of all kinds (jobs/README.md); more than
+  // enough by up to a third.
+  return (70 + 0.4 * entries_a_row) * std::pow(n_dofs, 1.38);
 }
 
 SolverKind solver_for(double factor, int ranks, int ranks_of_machine, double machine_memory) {
-  const double room = 0.5 * machine_memory;
-  if (factor * ranks_of_machine < room) return SolverKind::factor_everywhere;
-  if (ranks > 1 && 2 * factor * ranks_of_machine / ranks < room) {
+  // While it is made a factor takes 1.3 times the room of its numbers, a distributed one twice.
+  if (factor * ranks_of_machine < 0.5 * machine_memory) return SolverKind::factor_everywhere;
+  if (ranks > 1 && 2 * factor * ranks_of_machine / ranks < 0.65 * machine_memory) {
     return SolverKind::factor_distributed;
   }
   return SolverKind::multigrid;
@@ -250,61 +250,74 @@ void WholeSolver::solve(Vec b, Vec x) {
   require_solved(b, x);
 }
 
-std::vector<double> WholeSolver::inverse_entries(std::span<const int> rows,
-                                                 std::span<const int> columns) {
-  if (ours_) return cholesky_.inverse_entries(rows, columns);
+/// Calls take(x) for the answer x to each of these forces, in their order.
+void WholeSolver::answer_each(std::span<const SparseRow> forces,
+                              const std::function<void(Vec)>& take) {
   static const LogEvent event("StyletColumns");
   const LogScope scope(event);
-  std::vector<double> entries;
-  entries.reserve(rows.size() * columns.size());
-  const auto take = [&](Vec b, Vec x) {
-    require_solved(b, x);
-    const Vec vectors[1] = {x};
-    const auto column = gather(vectors, rows)[0];
-    entries.insert(entries.end(), column.begin(), column.end());
-  };
   if (!direct_) {
-    for (const int dof : columns) {
+    for (const SparseRow& force : forces) {
       check(VecSet(rhs_.get(), 0));
-      set_owned(rhs_.get(), dof, 1);
-      check(KSPSolve(ksp_.get(), rhs_.get(), column_.get()));
-      require_converged();
-      take(rhs_.get(), column_.get());
+      {
+        Entries rhs(rhs_.get());
+        for (const auto& [dof, value] : force) {
+          if (rhs.owns(dof)) rhs[dof] += value;
+        }
+      }
+      solve(rhs_.get(), column_.get());
+      take(column_.get());
     }
-    return entries;
+    return;
   }
-  constexpr std::size_t batch = 16;
+  constexpr std::size_t batch = 16;  // for which a factor is read once
   PetscInt n_local = 0;
   check(VecGetLocalSize(rhs_.get(), &n_local));
-  for (std::size_t first = 0; first < columns.size(); first += batch) {
-    const auto some = columns.subspan(first, std::min(batch, columns.size() - first));
+  for (std::size_t first = 0; first < forces.size(); first += batch) {
+    const auto some = forces.subspan(first, std::min(batch, forces.size() - first));
     const auto n = static_cast<PetscInt>(some.size());
-    OwnedMat units;
-    OwnedMat solutions;
-    check(MatCreateDense(comm_, n_local, PETSC_DECIDE, n_dofs_, n, nullptr, units.put()));
-    check(MatZeroEntries(units.get()));
+    OwnedMat loads;
+    OwnedMat answers;
+    check(MatCreateDense(comm_, n_local, PETSC_DECIDE, n_dofs_, n, nullptr, loads.put()));
+    check(MatZeroEntries(loads.get()));
     PetscInt begin = 0;
     PetscInt end = 0;
-    check(MatGetOwnershipRange(units.get(), &begin, &end));
+    check(MatGetOwnershipRange(loads.get(), &begin, &end));
     for (PetscInt k = 0; k < n; ++k) {
-      const PetscInt dof = some[at(k)];
-      if (dof >= begin && dof < end) check(MatSetValue(units.get(), dof, k, 1, INSERT_VALUES));
+      for (const auto& [dof, value] : some[at(k)]) {
+        if (dof >= begin && dof < end) {
+          check(MatSetValue(loads.get(), dof, k, value, INSERT_VALUES));
+        }
+      }
     }
-    check(MatAssemblyBegin(units.get(), MAT_FINAL_ASSEMBLY));
-    check(MatAssemblyEnd(units.get(), MAT_FINAL_ASSEMBLY));
-    check(MatDuplicate(units.get(), MAT_DO_NOT_COPY_VALUES, solutions.put()));
-    check(KSPMatSolve(ksp_.get(), units.get(), solutions.get()));
+    check(MatAssemblyBegin(loads.get(), MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(loads.get(), MAT_FINAL_ASSEMBLY));
+    check(MatDuplicate(loads.get(), MAT_DO_NOT_COPY_VALUES, answers.put()));
+    check(KSPMatSolve(ksp_.get(), loads.get(), answers.get()));
     require_converged();
     for (PetscInt k = 0; k < n; ++k) {
       Vec b = nullptr;
       Vec x = nullptr;
-      check(MatDenseGetColumnVecRead(units.get(), k, &b));
-      check(MatDenseGetColumnVecRead(solutions.get(), k, &x));
-      take(b, x);
-      check(MatDenseRestoreColumnVecRead(solutions.get(), k, &x));
-      check(MatDenseRestoreColumnVecRead(units.get(), k, &b));
+      check(MatDenseGetColumnVecRead(loads.get(), k, &b));
+      check(MatDenseGetColumnVecRead(answers.get(), k, &x));
+      require_solved(b, x);
+      take(x);
+      check(MatDenseRestoreColumnVecRead(answers.get(), k, &x));
+      check(MatDenseRestoreColumnVecRead(loads.get(), k, &b));
     }
   }
+}
+
+std::vector<double> WholeSolver::inverse_entries(std::span<const int> rows,
+                                                 std::span<const int> columns) {
+  if (ours_) return cholesky_.inverse_entries(rows, columns);
+  std::vector<SparseRow> units;
+  for (const int dof : columns) units.push_back({{dof, 1.0}});
+  std::vector<double> entries;
+  answer_each(units, [&](Vec x) {
+    const Vec vectors[1] = {x};
+    const auto column = gather(vectors, rows)[0];
+    entries.insert(entries.end(), column.begin(), column.end());
+  });
   return entries;
 }
 

@@ -26,13 +26,15 @@ std::vector<double> WholeSolver::products(std::span<const SparseRow> rows, Vec x
 std::vector<double> WholeSolver::inverse_entries(std::span<const SparseRow> rows,
                                                  std::size_t from) {
   if (ours_) return cholesky_.inverse_entries(rows, from);
+  kept_.resize(from);
   std::vector<double> entries;
-  const double unit[1] = {1};
-  for (std::size_t i = from; i < rows.size(); ++i) {
-    respond(rows.subspan(i, 1), unit, false, column_.get());
-    const auto column = products(rows, column_.get());
-    entries.insert(entries.end(), column.begin(), column.end());
-  }
+  answer_each(rows.subspan(from), [&](Vec x) {
+    OwnedVec& column = kept_.emplace_back();
+    check(VecDuplicate(x, column.put()));
+    check(VecCopy(x, column.get()));
+    const auto sums = products(rows, x);
+    entries.insert(entries.end(), sums.begin(), sums.end());
+  });
   return entries;
 }
 
@@ -46,6 +48,19 @@ void WholeSolver::respond(std::span<const SparseRow> rows,
                           std::span<const double> forces,
                           bool add_loaded,
                           Vec x) {
+  if (!ours_) {
+    if (add_loaded && loaded_) {
+      check(VecCopy(y_.get(), x));
+    } else {
+      check(VecSet(x, 0));
+    }
+    std::vector<Vec> columns;
+    for (const OwnedVec& column : std::span(kept_).first(forces.size())) {
+      columns.push_back(column.get());
+    }
+    check(VecMAXPY(x, static_cast<PetscInt>(forces.size()), forces.data(), columns.data()));
+    return;
+  }
   start_rhs(add_loaded);
   {
     Entries rhs(rhs_.get());

@@ -10,8 +10,9 @@
 namespace stylet {
 
 /// Bytes that one rank needs for a mesh of so many triangles or tetrahedra, about (jobs/README.md has
-/// what was measured): the mesh with its operators, and a factor where the steps need one.
-[[nodiscard]] double bytes_needed(const Scene& scene, double n_cells);
+/// what was measured): the mesh with its operators, and a factor, or its share of one, or multigrid where the
+/// steps solve. ranks: of all machines.
+[[nodiscard]] double bytes_needed(const Scene& scene, double n_cells, int ranks);
 
 /// What a refinement needs and what there is.
 struct Room {

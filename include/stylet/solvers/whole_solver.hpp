@@ -27,7 +27,7 @@ enum class SolverKind {
 [[nodiscard]] double factor_bytes(int dim, double n_dofs, double entries_a_row);
 
 /// By what the factor takes of the memory of a machine (bytes): at most half of it for a factor on
-/// every rank; else, on several ranks, a shared one, which takes twice the room of its numbers; else
+/// every rank; else, on several ranks, a shared one, which while it is made takes at most two thirds; else
 /// none.
 [[nodiscard]] SolverKind solver_for(double factor,
                                     int ranks,
@@ -54,7 +54,10 @@ class WholeSolver {
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const SparseRow> rows,
                                                     std::size_t from);
   /// No rows; before others than those of the last `inverse_entries` and new ones.
-  void leave_rows() { cholesky_.leave_rows(); }
+  void leave_rows() {
+    cholesky_.leave_rows();
+    kept_.clear();
+  }
 
   /// Collective. y = A^-1 b, as far as `loaded` and `respond` need it. b is lent until the next load
   /// or unload.
@@ -89,6 +92,7 @@ class WholeSolver {
   static PetscErrorCode apply(PC shell, Vec b, Vec x);
   void configure();
   [[nodiscard]] static std::vector<double> products(std::span<const SparseRow> rows, Vec x);
+  void answer_each(std::span<const SparseRow> forces, const std::function<void(Vec)>& take);
   void start_rhs(bool add_loaded);
   void respond(const Split& split, Vec x);
   void solve(Vec b, Vec x);
@@ -112,6 +116,8 @@ class WholeSolver {
   OwnedVec y_;  ///< unless ours
   OwnedVec rhs_;
   OwnedVec column_;  ///< of the inverse
+  std::vector<OwnedVec>
+      kept_;  ///< A^-1 B^T by rows of B, unless ours: a solve costs far more than a column's room
   OwnedVec work_;
 };
 
