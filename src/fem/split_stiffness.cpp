@@ -38,7 +38,7 @@ void assemble(Mat matrix) {
   check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
 }
 
-// Calls each(column, value) along an owned row.
+// Calls each(column, value) along an owned row; with zeros, so that no pattern hangs on numbers.
 template <class Each>
 void along(Mat matrix, PetscInt row, Each&& each) {
   PetscInt n = 0;
