@@ -161,9 +161,6 @@ void SplitStiffness::preallocate() {
 }
 
 Mat SplitStiffness::saddle(double of_mass, double of_stiffness, Mat mass, Vec lumped) {
-  PetscReal softest = 0;
-  check(VecMin(stiffness_.get(), nullptr, &softest));
-  if (softest < 0) return nullptr;
   if (saddle_) {
     check(MatZeroEntries(saddle_.get()));
   } else {
