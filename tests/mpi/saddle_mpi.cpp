@@ -127,7 +127,7 @@ class Saddle : public testing::TestWithParam<const char*> {
   std::vector<SparseRow> rows;
   std::vector<double> forces;
 };
-INSTANTIATE_TEST_SUITE_P(PoissonRatio, Saddle, testing::Values("0", "0.3", "0.49", "0.4999"));
+INSTANTIATE_TEST_SUITE_P(PoissonRatio, Saddle, testing::Values("0", "0.4999"));
 
 TEST_P(Saddle, ProductsByPartsAreThoseOfTheMatrix) {
   const OwnedVec u = vector_of(field);
