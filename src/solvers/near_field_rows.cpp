@@ -1,7 +1,7 @@
 // Rows of B in the near field: from dofs to near coordinates and back.
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
-#include "stylet/petsc/gather.hpp"
+#include "stylet/petsc/session.hpp"
 #include "stylet/solvers/near_field.hpp"
 
 #include <utility>
@@ -40,32 +40,32 @@ void NearField::stand_still(std::vector<double> values) {
   s_y_ = factored_forces(y_near_);
 }
 
-// Those that rows from the `from`-th on need, row by row.
-std::vector<int> NearField::dofs_behind(std::size_t from) const {
-  std::vector<int> dofs;
-  for (std::size_t i = from; i < size(); ++i) {
-    if (!is_row(i)) dofs.push_back(coordinates_[i]);
-    for (const auto& [dof, weight] : rows_[i]) dofs.push_back(dof);
-  }
-  return dofs;
-}
-
-// Of values at `dofs_behind`.
-std::vector<double> NearField::sum_rows(std::size_t from, std::span<const double> values) const {
-  std::vector<double> sums;
-  auto next = values.begin();
-  for (std::size_t i = from; i < size(); ++i) {
-    double sum = is_row(i) ? 0 : *next++;
-    for (const auto& [dof, weight] : rows_[i]) sum += weight * *next++;
-    sums.push_back(sum);
-  }
-  return sums;
-}
-
+// Sums of what each rank owns: the values of a dof are then its owner's.
 std::vector<std::vector<double>> NearField::values(std::span<const Vec> vectors,
                                                    std::size_t from) const {
-  auto values = gather(vectors, dofs_behind(from));
-  for (auto& of_vector : values) of_vector = sum_rows(from, of_vector);
+  const std::size_t n = size() - from;
+  std::vector<double> sums;
+  sums.reserve(vectors.size() * n);
+  for (Vec vector : vectors) {
+    const Values x(vector);
+    for (std::size_t i = from; i < size(); ++i) {
+      const int c = coordinates_[i];
+      double sum = !is_row(i) && x.owns(c) ? x[c] : 0;
+      for (const auto& [dof, weight] : rows_[i]) {
+        if (x.owns(dof)) sum += weight * x[dof];
+      }
+      sums.push_back(sum);
+    }
+  }
+  if (size_of(comm_) > 1 && n > 0) {
+    MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
+                  comm_);
+  }
+  std::vector<std::vector<double>> values;
+  for (std::size_t k = 0; k < vectors.size(); ++k) {
+    const auto first = sums.begin() + static_cast<std::ptrdiff_t>(k * n);
+    values.emplace_back(first, first + static_cast<std::ptrdiff_t>(n));
+  }
   return values;
 }
 

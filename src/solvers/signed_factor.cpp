@@ -1,8 +1,7 @@
 #include "stylet/solvers/signed_factor.hpp"
 
 #include "stylet/base/index.hpp"
-
-#include <petscsys.h>
+#include "stylet/petsc/owned.hpp"
 
 #include <petscblaslapack.h>
 
@@ -15,8 +14,6 @@ namespace {
 
 using Index = SuiteSparse_long;
 constexpr double one = 1;
-constexpr double minus_one = -1;
-constexpr double zero = 0;
 
 PetscBLASInt blas(Index n) {
   return static_cast<PetscBLASInt>(n);
@@ -80,42 +77,74 @@ void scaled(const double* rows,
   }
 }
 
-// In blocks of columns: triangle, rectangle below, then what they take of the columns to the right.
-bool eliminate(const Trapezoid& front, std::span<const double> signs, std::vector<double>& work) {
-  constexpr Index block = 48;
+/// C = beta C + alpha A B^T where a column has no rows above the diagonal; B: n_columns x depth, packed.
+struct LowerProduct {
+  const double* a;
+  Index a_stride;
+  const double* b;
+  Index depth;
+};
+
+void multiply(const LowerProduct& p,
+              double alpha,
+              double beta,
+              double* c,
+              Index n_rows,
+              Index n_columns,
+              Index stride) {
+  constexpr Index strip = 128;
+  const PetscBLASInt k = blas(p.depth);
+  const PetscBLASInt a_stride = blas(p.a_stride);
+  const PetscBLASInt b_stride = blas(n_columns);
+  const PetscBLASInt c_stride = blas(stride);
+  for (Index j = 0; j < n_columns; j += strip) {
+    const PetscBLASInt m = blas(n_rows - j);
+    const PetscBLASInt n = blas(std::min(strip, n_columns - j));
+    BLASgemm_("N", "T", &m, &n, &k, &alpha, p.a + j, &a_stride, p.b + j, &b_stride, &beta,
+              c + j * stride + j, &c_stride);
+  }
+}
+
+// Columns from .. to of a front, all rows below: halves, the left one's part taken off the right one.
+bool eliminate(const Trapezoid& front,
+               Index from,
+               Index to,
+               std::span<const double> signs,
+               std::vector<double>& work) {
+  constexpr Index few = 32;
   const Index n = front.n_rows;
+  if (to - from > few) {
+    const Index middle = from + (to - from) / 2;
+    if (!eliminate(front, from, middle, signs, work)) return false;
+    const double* const left = front.values + from * n + middle;
+    scaled(left, n, to - middle, signs.subspan(at(from), at(middle - from)), work);
+    multiply({left, n, work.data(), middle - from}, -1, 1, front.values + middle * n + middle,
+             n - middle, to - middle, n);
+    return eliminate(front, middle, to, signs, work);
+  }
+  for (Index j = from; j < to; ++j) {
+    double* const column = front.values + j * n;
+    const double pivot = column[j] * signs[at(j)];
+    if (!(pivot > 0)) return false;
+    column[j] = std::sqrt(pivot);
+    const double scale = signs[at(j)] / column[j];
+    for (Index i = j + 1; i < to; ++i) column[i] *= scale;
+    for (Index k = j + 1; k < to; ++k) {
+      double* const other = front.values + k * n;
+      const double factor = signs[at(j)] * column[k];
+      for (Index i = k; i < to; ++i) other[i] -= factor * column[i];
+    }
+  }
+  if (to == n) return true;
+  const PetscBLASInt width = blas(to - from);
+  const PetscBLASInt below = blas(n - to);
   const PetscBLASInt stride = blas(n);
-  for (Index from = 0; from < front.n_columns; from += block) {
-    const Index to = std::min(from + block, front.n_columns);
-    for (Index j = from; j < to; ++j) {
-      double* const column = front.values + j * n;
-      const double pivot = column[j] * signs[at(j)];
-      if (!(pivot > 0)) return false;
-      column[j] = std::sqrt(pivot);
-      const double scale = signs[at(j)] / column[j];
-      for (Index i = j + 1; i < to; ++i) column[i] *= scale;
-      for (Index k = j + 1; k < to; ++k) {
-        double* const other = front.values + k * n;
-        const double factor = signs[at(j)] * column[k];
-        for (Index i = k; i < to; ++i) other[i] -= factor * column[i];
-      }
-    }
-    if (to == n) break;
-    const PetscBLASInt width = blas(to - from);
-    const PetscBLASInt below = blas(n - to);
-    double* const rectangle = front.values + from * n + to;
-    BLAStrsm_("R", "L", "T", "N", &below, &width, &one, front.values + from * n + from, &stride,
-              rectangle, &stride);
-    for (Index j = from; j < to; ++j) {
-      if (signs[at(j)] > 0) continue;
-      double* const column = front.values + j * n;
-      for (Index i = to; i < n; ++i) column[i] = -column[i];
-    }
-    const PetscBLASInt right = blas(front.n_columns - to);
-    if (right == 0) continue;
-    scaled(rectangle, n, front.n_columns - to, signs.subspan(at(from), at(to - from)), work);
-    BLASgemm_("N", "T", &below, &right, &width, &minus_one, rectangle, &stride, work.data(), &right,
-              &one, front.values + to * n + to, &stride);
+  BLAStrsm_("R", "L", "T", "N", &below, &width, &one, front.values + from * n + from, &stride,
+            front.values + from * n + to, &stride);
+  for (Index j = from; j < to; ++j) {
+    if (signs[at(j)] > 0) continue;
+    double* const column = front.values + j * n;
+    for (Index i = to; i < n; ++i) column[i] = -column[i];
   }
   return true;
 }
@@ -173,12 +202,7 @@ bool factor_signed(const cholmod_factor& pattern,
       const double* const from = values.data() + first_value[d] + done[at(d)];
       scaled(from, n_rows, own, signs.subspan(at(first_column[d]), at(n_columns)), work);
       update.resize(at(left * own));
-      const PetscBLASInt m = blas(left);
-      const PetscBLASInt n = blas(own);
-      const PetscBLASInt k = blas(n_columns);
-      const PetscBLASInt stride = blas(n_rows);
-      BLASgemm_("N", "T", &m, &n, &k, &one, from, &stride, work.data(), &n, &zero, update.data(),
-                &m);
+      multiply({from, n_rows, work.data(), n_columns}, 1, 0, update.data(), left, own, left);
       for (Index j = 0; j < own; ++j) {
         double* const column = front.values + place[at(of_d[j])] * front.n_rows;
         const double* const of_j = update.data() + j * left;
@@ -187,7 +211,9 @@ bool factor_signed(const cholmod_factor& pattern,
       done[at(d)] += own;
       wait(d);
     }
-    if (!eliminate(front, signs.subspan(at(begin), at(end - begin)), work)) return false;
+    if (!eliminate(front, 0, end - begin, signs.subspan(at(begin), at(end - begin)), work)) {
+      return false;
+    }
     done[at(s)] = front.n_columns;
     wait(s);
   }

@@ -38,8 +38,8 @@ class SplitStiffness {
 
   /// Collective. y = K x.
   void multiply(Vec x, Vec y) const;
-  /// Collective. The saddle form: each rank's dofs, then its patches; null if some patch has a compliance
-  /// below zero (Poisson's ratio is). One of mass and lumped is null. The same object each time.
+  /// Collective. The saddle form: each rank's dofs, then its patches. One of mass and lumped is null. The same
+  /// object each time.
   [[nodiscard]] Mat saddle(double of_mass, double of_stiffness, Mat mass, Vec lumped);
 
  private:

@@ -123,9 +123,6 @@ class NearField {
   void grow(std::span<const int> coordinates);
   [[nodiscard]] std::vector<double> compliance(std::size_t from);
   [[nodiscard]] std::vector<double> loaded(std::size_t from);
-  [[nodiscard]] std::vector<int> dofs_behind(std::size_t from) const;
-  [[nodiscard]] std::vector<double> sum_rows(std::size_t from,
-                                             std::span<const double> values) const;
   void answer(std::span<const double> forces, bool add_loaded, Vec x);
   [[nodiscard]] double largest_free(Vec residual) const;
   void expand(std::span<const double> x_near, Vec x);
