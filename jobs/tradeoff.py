@@ -10,9 +10,15 @@ EXAMPLES = """examples:
 MARKERS = "osD^v<>PX*h"
 
 
+def name_of(run):
+    kernel = run.get("kernel", 1)
+    return run["way"] if kernel == 1 else f"{run['way']}, kernel {kernel:.3g}"
+
+
 def draw(study):
     figure, axes = plt.subplots(figsize=(8.2, 5.0))
-    runs = [r for r in study["runs"] if "failure" not in r and r["way"] != "reference"]
+    runs = [r | {"way": name_of(r)} for r in study["runs"]
+            if "failure" not in r and r["way"] != "reference"]
     names = list(dict.fromkeys(r["way"] for r in runs))
     for number, name in enumerate(names):
         own = [r for r in runs if r["way"] == name]
@@ -40,7 +46,7 @@ def report(study):
              "| way | mesh.refine | step (ms) | placement error (mm) | error (mm) | of all finer (mm) | time (s) | front |",
              "|---|---|---|---|---|---|---|---|"]
     for r in study["runs"]:
-        start = f"| {r['way']} | {r['refine']} | {1e3 * r['step']:.4g} | "
+        start = f"| {name_of(r)} | {r['refine']} | {1e3 * r['step']:.4g} | "
         if "failure" in r:
             lines.append(start + f"{r['failure']} | | | | |")
         else:

@@ -3,13 +3,11 @@
 namespace stylet {
 
 void ExplicitTrack::follow(const TrackOperator& track) {
-  track_ = &track;
   near_.follow(&track);
   rows_.follow(track);
 }
 
 void ExplicitTrack::leave() {
-  track_ = nullptr;
   near_.follow(nullptr);
   rows_.leave();
   start_.clear();
@@ -68,7 +66,7 @@ void ExplicitTrack::each_force(const std::function<void(int, double)>& force) co
   for (const auto& [at, weight] : demand_.weights) on[at] += solution_.lambda * weight;
   for (std::size_t i = 0; i < on.size(); ++i) {
     if (on[i] == 0) continue;
-    for (const auto& [dof, weight] : track_->row(place_of(n_dofs_, near_.coordinates()[i]))) {
+    for (const auto& [dof, weight] : rows_.track().row(place_of(n_dofs_, near_.coordinates()[i]))) {
       force(dof, weight * on[i]);
     }
   }

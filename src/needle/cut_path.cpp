@@ -31,8 +31,7 @@ CutPath::CutPath(const Mesh& mesh,
                  NeedleTissue tissue)
     : ReferencePath(tip_length, radius, stops_at_ends, std::move(tissue)),
       mesh_(mesh),
-      axis_(axis),
-      punctures_(tissue_.earlier.punctures) {}
+      axis_(axis) {}
 
 NeedleEdits CutPath::enter(const Entry& entry, const NeedleView& start) {
   const NodeState state =
@@ -45,14 +44,6 @@ NeedleEdits CutPath::enter(const Entry& entry, const NeedleView& start) {
   NeedleEdits edits;
   if (entry.fraction > 0) edits.moves.push_back({entry.node, entry.x, state});
   return edits;
-}
-
-EarlierCuts CutPath::leave() const {
-  EarlierCuts cuts = tissue_.earlier;
-  cuts.punctures = punctures_;
-  if (is_uncut()) return cuts;
-  cuts.paths.push_back(line());
-  return cuts;
 }
 
 std::vector<ReferencePlace> CutPath::line() const {
@@ -201,10 +192,6 @@ void CutPath::new_base() {
   end_.reset();
 }
 
-std::optional<double> CutPath::end() const {
-  return end_ ? std::optional(end_->b) : std::nullopt;
-}
-
 // The largest b from base_, and what is there.
 CutPath::End CutPath::find_end() const {
   const double reach = postponed_ ? base_->reach : std::min(base_->hand_over, base_->reach);
@@ -220,9 +207,8 @@ std::optional<double> CutPath::crossing(double length) const {
 }
 
 void CutPath::puncture() {
-  punctures_.push_back(*membrane_);
+  puncture_at(*membrane_);
   membrane_.reset();
-  ++counts_.punctures;
 }
 
 bool CutPath::pass_end() {
@@ -235,6 +221,7 @@ bool CutPath::pass_end() {
       new_base();
       return true;
     case EndKind::hand_over:
+    case EndKind::track:  // of space only
       break;
   }
   hand_over_wanted_ = true;
@@ -304,19 +291,9 @@ CutPath::Plan CutPath::plan(const NeedleView& start) {
   }
   if (hand_over_wanted_ || is_uncut()) return hand_over(start);
   end_ = find_end();
-  const double wanted = std::max(0.0, b_ + remaining_);
-  const double to = std::min(wanted, end_->b);
-  remaining_ = 0;
-  if (to != b_) {
-    advanced_ += to - b_;
-    b_ = to;
-    plan.edits.moves.push_back(stylet::advanced(*base_, track_.tip(), b_));
-  }
-  // A search goes on from the end when it has seen the gap; the other laws know how far they go.
-  if (wanted >= end_->b && !stops_at_ends_) {
-    if (end_->kind == EndKind::hand_over) remaining_ = wanted - end_->b;
-    plan.holds = pass_end();
-  }
+  carry_out(
+      [&](double b) { plan.edits.moves.push_back(stylet::advanced(*base_, track_.tip(), b)); },
+      plan);
   return plan;
 }
 

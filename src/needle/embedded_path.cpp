@@ -22,19 +22,11 @@ EmbeddedPath::EmbeddedPath(const Mesh& mesh,
       crossings_(surface_crossings(tissue_.membrane_surface,
                                    way_.skin(),
                                    way_.direction(Component::along),
-                                   way_.segment(way_.size() - 1).to)),
-      punctures_(tissue_.earlier.punctures) {
+                                   way_.segment(way_.size() - 1).to)) {
   track_.push({-1});
   free_ = tissue_.earlier.free_length(way_.skin(), way_.direction(Component::along), radius_) >
           touching;
   stand();
-}
-
-EarlierCuts EmbeddedPath::leave() const {
-  EarlierCuts cuts = tissue_.earlier;
-  cuts.punctures = punctures_;
-  if (!is_uncut()) cuts.paths.push_back(line());
-  return cuts;
 }
 
 WorldPlace EmbeddedPath::on_axis(double along) const {
@@ -110,10 +102,6 @@ void EmbeddedPath::uncover(double to,
   }
 }
 
-std::optional<double> EmbeddedPath::end() const {
-  return end_ ? std::optional(end_->b) : std::nullopt;
-}
-
 // True if the tip has come to the end of an earlier cut, and waits.
 bool EmbeddedPath::find_base() {
   const ReferencePlace tip = way_.at(base_);
@@ -154,9 +142,8 @@ bool EmbeddedPath::pass_end() {
 }
 
 void EmbeddedPath::puncture() {
-  punctures_.push_back(way_.at(*membrane_));
+  puncture_at(way_.at(*membrane_));
   membrane_.reset();
-  ++counts_.punctures;
 }
 
 void EmbeddedPath::new_base() {
@@ -164,12 +151,6 @@ void EmbeddedPath::new_base() {
   b_ = 0;
   end_.reset();
   ++n_bases_;
-}
-
-void EmbeddedPath::go(double b) {
-  advanced_ += b - b_;
-  b_ = b;
-  stand();
 }
 
 void EmbeddedPath::stand() {
@@ -187,15 +168,7 @@ EmbeddedPath::Plan EmbeddedPath::plan(const NeedleView&) {
     plan.holds = true;
     return plan;
   }
-  const double wanted = std::max(0.0, b_ + remaining_);
-  const double to = std::min(wanted, end_->b);
-  remaining_ = 0;
-  if (to != b_) go(to);
-  // A search goes on from the end when it has seen the gap; the other laws know how far they go.
-  if (wanted >= end_->b && !stops_at_ends_) {
-    if (end_->kind == EndKind::hand_over) remaining_ = wanted - end_->b;
-    plan.holds = pass_end();
-  }
+  carry_out([this](double) { stand(); }, plan);
   return plan;
 }
 

@@ -42,6 +42,13 @@ bool ReferencePath::is_released() const {
   return std::ranges::none_of(track_.nodes(), &ShaftNode::attached);
 }
 
+EarlierCuts ReferencePath::leave() const {
+  EarlierCuts cuts = tissue_.earlier;
+  cuts.punctures = punctures_;
+  if (!is_uncut()) cuts.paths.push_back(line());
+  return cuts;
+}
+
 NeedleEdits ReferencePath::enter(const Entry&, const NeedleView&) {
   throw std::logic_error("a track in space lies where it was made");
 }
@@ -50,6 +57,27 @@ void ReferencePath::start_step(double advance) {
   new_base();
   advanced_ = 0;
   remaining_ = advance;
+}
+
+void ReferencePath::puncture_at(const ReferencePlace& x) {
+  punctures_.push_back(x);
+  ++counts_.punctures;
+}
+
+void ReferencePath::carry_out(const std::function<void(double)>& go, Plan& plan) {
+  const double wanted = std::max(0.0, b_ + remaining_);
+  const double to = std::min(wanted, end_->b);
+  remaining_ = 0;
+  if (to != b_) {
+    advanced_ += to - b_;
+    b_ = to;
+    go(to);
+  }
+  // A search goes on from the end when it has seen the gap; the other laws know how far they go.
+  if (wanted >= end_->b && !stops_at_ends_) {
+    if (end_->kind == EndKind::hand_over) remaining_ = wanted - end_->b;
+    plan.holds = pass_end();
+  }
 }
 
 }  // namespace stylet

@@ -67,8 +67,18 @@ void require_block(const Node& node, const Key& key) {
   if (node.kind != Node::Kind::map) refuse(node, "a block of " + join(names_of(key)));
   for (const Node& child : node.children) require_known(child, key);
   for (const Key& wanted : key.keys) {
-    if (!wanted.required || node.find(wanted.name)) continue;
-    refuse_missing(node, below(node.path, wanted.name), offer(wanted));
+    std::string offers = offer(wanted);
+    bool is_given = node.find(wanted.name) != nullptr;
+    for (const Key& spelling : key.keys) {
+      if (spelling.spells != wanted.name) continue;
+      offers += ", or " + spelling.name;
+      const Node* other = node.find(spelling.name);
+      if (is_given && other) refuse(*other, "one of " + wanted.name + " and " + spelling.name);
+      is_given |= other != nullptr;
+    }
+    if (wanted.required && !is_given) {
+      refuse_missing(node, below(node.path, wanted.name), offers);
+    }
   }
 }
 

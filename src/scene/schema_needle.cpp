@@ -1,12 +1,44 @@
 #include "stylet/scene/schema_needle.hpp"
 
+#include "stylet/needle/gauge.hpp"
 #include "stylet/scene/block.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace stylet {
 
 namespace {
+
+Codec<double> gauge() {
+  constexpr double millimetres = 1000;  // a metre
+  Choices<double> choices;
+  for (const NeedleGauge& each : needle_gauges) {
+    choices.emplace_back(std::to_string(each.gauge), each.diameter / millimetres);
+  }
+  return choice(choices);
+}
+
+/// The force of a crack that grows: its energy for a length of path.
+Codec<double> fracture() {
+  struct Crack {
+    double toughness = 0;  // J/m^2
+    double width = 0;      // m
+  };
+  const auto crack = block<Crack>(
+      {field("toughness", &Crack::toughness, number("J/m^2", positive),
+             "Energy that a new crack takes, for its area.")
+           .required(),
+       field("width", &Crack::width, number("m", positive), "Of the crack, across the path.")
+           .required()});
+  return {crack.key,
+          [read = crack.read](const Node& node, double& force) {
+            Crack given;
+            read(node, given);
+            force = given.toughness * given.width;
+          },
+          [](const double&) { return Node(); }};
+}
 
 Codec<CuttingParameters> cutting() {
   using C = CuttingParameters;
@@ -20,6 +52,9 @@ Codec<CuttingParameters> cutting() {
        field("cutting_force", &C::cutting_force, number("N", positive),
              "Tip force at which tissue is cut, for sharpness 1.")
            .required(),
+       field("fracture", &C::cutting_force, fracture(),
+             "The cutting force as toughness times width of the crack.")
+           .spelling_of("cutting_force"),
        field("sharpness", &C::sharpness, plain({.min = 0, .max = 1, .min_open = true}),
              "Divides the cutting force; 1 is the sharpest."),
        field("stiffness_share", &C::stiffness_share, plain(share),
@@ -34,26 +69,81 @@ Codec<CuttingParameters> cutting() {
              "Length of one cut of the increment law.")});
 }
 
-Codec<FrictionParameters> friction() {
+/// Friction of a shaft, whose size turns stresses into forces per metre.
+struct Shaft {
+  FrictionParameters friction;
+  double circumference = 0;  // m; 0 in the plane
+};
+
+Field<Shaft> of_friction(const char* name,
+                         double FrictionParameters::*member,
+                         const char* unit,
+                         const Range& range,
+                         const char* doc) {
+  const Field<FrictionParameters> inner = field(name, member, number(unit, range), doc);
+  return {inner.key,
+          [read = inner.read](const Node& node, Shaft& shaft) { read(node, shaft.friction); },
+          [write = inner.write](const Shaft& shaft) { return write(shaft.friction); }};
+}
+
+Field<Shaft> of_surface(const char* name,
+                        const std::string& per_metre,
+                        double FrictionParameters::*member,
+                        const char* unit,
+                        const char* doc) {
+  const auto stress = number(unit, not_negative);
+  const auto read = [=, read = stress.read](const Node& node, Shaft& shaft) {
+    if (shaft.circumference == 0) {
+      refuse(node, per_metre + ": only a needle in space, with entry, has a surface for a stress");
+    }
+    double value = 0;
+    read(node, value);
+    shaft.friction.*member = value * shaft.circumference;
+  };
+  return Field<Shaft>{described(stress.key, name, doc), read, {}}.spelling_of(per_metre);
+}
+
+Codec<Shaft> friction() {
   using F = FrictionParameters;
-  return block<F>(
-      {field("static_force", &F::static_force, number("N/m", not_negative),
-             "Per metre of shaft, largest force that holds.")
+  return block<Shaft>(
+      {of_friction("static_force", &F::static_force, "N/m", not_negative,
+                   "Per metre of shaft, largest force that holds.")
            .required(),
-       field("kinetic_force", &F::kinetic_force, number("N/m", not_negative),
-             "Per metre of shaft, while tissue slides.")
+       of_surface("static_stress", "static_force", &F::static_force, "Pa",
+                  "In space: the same per area of the shaft's surface, pi diameter a metre."),
+       of_friction("kinetic_force", &F::kinetic_force, "N/m", not_negative,
+                   "Per metre of shaft, while tissue slides.")
            .required(),
-       field("stick_speed", &F::stick_speed, number("m/s", not_negative),
-             "Tissue that slides more slowly sticks again.")
+       of_surface("kinetic_stress", "kinetic_force", &F::kinetic_force, "Pa",
+                  "In space: the same per area of the shaft's surface."),
+       of_friction("stick_speed", &F::stick_speed, "m/s", not_negative,
+                   "Tissue that slides more slowly sticks again.")
            .required(),
-       field("slip_speed", &F::slip_speed, number("m/s", positive),
-             "Tissue that slides faster is sliding; above stick_speed.")
+       of_friction("slip_speed", &F::slip_speed, "m/s", positive,
+                   "Tissue that slides faster is sliding; above stick_speed.")
            .required(),
-       field("viscous_coefficient", &F::viscous_coefficient, number("N s/m^2", not_negative),
-             "Per metre of shaft, what the force of sliding tissue grows by with its "
-             "speed.")
-           .written_if([](const F& f) { return f.viscous_coefficient > 0; })
-           .otherwise("0 N s/m^2")});
+       of_friction("viscous_coefficient", &F::viscous_coefficient, "N s/m^2", not_negative,
+                   "Per metre of shaft, what the force of sliding tissue grows by with its speed.")
+           .written_if([](const Shaft& shaft) { return shaft.friction.viscous_coefficient > 0; })
+           .otherwise("0 N s/m^2"),
+       of_surface("viscous_stress_coefficient", "viscous_coefficient", &F::viscous_coefficient,
+                  "Pa s/m", "In space: the same per area of the shaft's surface.")});
+}
+
+/// Behind diameter and entry in the list of fields, since it reads what they gave.
+Field<NeedleParameters> friction_field() {
+  const Codec<Shaft> shaft = friction();
+  return {described(shaft.key, "friction", "Friction along the shaft; without it there is none."),
+          [read = shaft.read](const Node& node, NeedleParameters& needle) {
+            Shaft given;
+            if (needle.space.entry) given.circumference = std::numbers::pi * needle.diameter;
+            read(node, given);
+            needle.friction = given.friction;
+          },
+          [write = shaft.write](const NeedleParameters& needle) -> std::optional<Node> {
+            if (!needle.friction) return std::nullopt;
+            return write({*needle.friction, 0});
+          }};
 }
 
 struct ActionEntry {
@@ -150,6 +240,9 @@ std::vector<Field<NeedleParameters>> held_fields() {
       field("diameter", &N::diameter, number("m", positive),
             "Of the shaft. In the plane: what lies within half of it of an earlier needle's path "
             "is cut already."),
+      field("gauge", &N::diameter, gauge(),
+            "The diameter as the gauge of a hypodermic needle; 18 is 1.27 mm.")
+          .spelling_of("diameter"),
       space("kernel_radius", &S::kernel_radius, number("m", positive),
             "In space: of the disc over which the mesh gets the needle's force; what lies "
             "between it and the shaft is added in closed form. About two edges of the coarsest "
@@ -161,8 +254,7 @@ std::vector<Field<NeedleParameters>> held_fields() {
           .written_if(in_space)
           .otherwise("0.5 mm"),
       field("cutting", &N::cutting, cutting(), "How the tip cuts tissue.").required(),
-      field("friction", &N::friction, friction(),
-            "Friction along the shaft; without it there is none.")};
+      friction_field()};
 }
 
 }  // namespace

@@ -11,7 +11,6 @@ Coordinate find_coordinate(const TrackOperator& track, TrackPlace place, int n_d
 
 ConstraintSet bind(const TrackConditions& conditions, const TrackOperator& track, int n_dofs) {
   ConstraintSet set;
-  set.track = &track;
   for (const auto& [place, value, velocity] : conditions.held) {
     const auto [index, sign] = find_coordinate(track, place, n_dofs);
     set.dofs.push_back({index, sign * value, velocity});

@@ -20,7 +20,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 
 namespace stylet {
 
@@ -29,11 +28,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double ratio = 2;
-constexpr double mesh_order = 2;  // of a displacement in L2
+
+/// Formal, of a displacement in L2.
+double mesh_order(const Scene& scene) {
+  return scene.tissue.formulation == Formulation::p2 ? 3 : 2;
+}
+
 constexpr double step_order = 2;
-// What a needle's kernel splits off wrongly goes with its radius squared.
-constexpr double kernel_ratio = std::numbers::sqrt2;
-constexpr double kernel_order = 2;
 
 /// What a scene gives that can converge.
 std::vector<std::string> quantities_of(const Scene& scene) {
@@ -133,7 +134,8 @@ class Study {
         of_series.push_back(
             series.name == "kernel"
                 ? extrapolate_known(values[0], values[1], kernel_ratio, kernel_order)
-                : extrapolate(values, ratio, series.name == "step" ? step_order : mesh_order));
+                : extrapolate(values, ratio,
+                              series.name == "step" ? step_order : mesh_order(scene_)));
       }
       result_.extrapolations.push_back(std::move(of_series));
     }

@@ -2,6 +2,7 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/dynamics/state.hpp"
+#include "stylet/geometry/tetrahedron_quadrature.hpp"
 #include "stylet/mesh/embedded_point.hpp"
 #include "stylet/output/text_file.hpp"
 
@@ -35,20 +36,42 @@ Vector3 value_at(const FieldSample& sample, const Mesh& mesh, const EmbeddedPoin
   return {value[0], value[1], value[2]};
 }
 
-// Points with weights that are alike, exact for quadratics: the middles of a triangle's edges, the four
-// of a tetrahedron.
-EmbeddedPoint quadrature_point(const Mesh& mesh, int c, std::size_t corner) {
-  const auto n = mesh.cell(c);
-  if (mesh.dim() == 2) {
-    EmbeddedPoint point{midpoint(mesh.point(n[corner]), mesh.point(n[(corner + 1) % 3])), c, {}};
-    point.weights[corner] = point.weights[(corner + 1) % 3] = 0.5;
-    return point;
-  }
-  EmbeddedPoint point{{}, c, tetrahedron_points()[corner]};
+struct QuadraturePoint {
+  EmbeddedPoint at;
+  double weight;  // m^2 or m^3
+};
+
+EmbeddedPoint in_tetrahedron(const Mesh& mesh, int c, const std::array<double, 4>& weights) {
+  EmbeddedPoint point{{}, c, weights};
   for (std::size_t k = 0; k < 4; ++k) {
-    point.x = point.x + point.weights[k] * (mesh.place(n[k]) - ReferencePlace{});
+    point.x = point.x + weights[k] * (mesh.place(mesh.cell(c)[k]) - ReferencePlace{});
   }
   return point;
+}
+
+// Exact for the square of the field: the middles of a triangle's edges, the four points of a tetrahedron, and
+// for quadratic ones those of degree five.
+std::vector<QuadraturePoint> quadrature(const Mesh& mesh, int c) {
+  std::vector<QuadraturePoint> points;
+  const double measure = mesh.cell_measure(c);
+  if (mesh.dim() == 2) {
+    const auto n = mesh.cell(c);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::size_t next = (corner + 1) % 3;
+      EmbeddedPoint point{midpoint(mesh.point(n[corner]), mesh.point(n[next])), c, {}};
+      point.weights[corner] = point.weights[next] = 0.5;
+      points.push_back({point, measure / 3});
+    }
+  } else if (mesh.nodes(c).size() > 4) {
+    for (const auto& [weights, share] : fine_tetrahedron_points()) {
+      points.push_back({in_tetrahedron(mesh, c, weights), share * measure});
+    }
+  } else {
+    for (const auto& weights : tetrahedron_points()) {
+      points.push_back({in_tetrahedron(mesh, c, weights), measure / 4});
+    }
+  }
+  return points;
 }
 
 }  // namespace
@@ -115,10 +138,7 @@ double relative_distance(const FieldSample& coarse, const FieldSample& fine) {
   double size = 0;
   int hint = 0;
   for (int c = 0; c < fine_mesh.n_cells(); ++c) {
-    const auto n_points = static_cast<std::size_t>(fine.dim) + 1;
-    const double weight = fine_mesh.cell_measure(c) / static_cast<double>(n_points);
-    for (std::size_t k = 0; k < n_points; ++k) {
-      const EmbeddedPoint here = quadrature_point(fine_mesh, c, k);
+    for (const auto& [here, weight] : quadrature(fine_mesh, c)) {
       const auto there = locate(coarse_mesh, here.x, hint);
       if (!there) throw InputError("the fields to be compared are not of the same tissue");
       hint = there->cell;

@@ -9,7 +9,10 @@
 #include "stylet/petsc/session.hpp"
 #include "stylet/scene/check.hpp"
 #include "stylet/scene/loader.hpp"
+#include "stylet/scene/requirement.hpp"
+#include "stylet/study/converge.hpp"
 #include "stylet/study/levels.hpp"
+#include "stylet/study/richardson.hpp"
 #include "stylet/study/study_run.hpp"
 
 #include <algorithm>
@@ -28,13 +31,13 @@ constexpr const char* quantity = "seeds.0.placement_error";
 constexpr double patience = 10;  // times the usual way's steps at equal mesh and step
 
 /// Each differs from the usual way in one thing.
-std::vector<Way> ways(bool has_shortcut) {
+std::vector<Way> ways(bool has_shortcut, bool in_space) {
   const std::string implicit = "time.method=implicit";
   const std::string shortcut = has_shortcut ? "time.until=implanted" : "time.until=settled";
   const std::string euler = "time.scheme=backward_euler";
   const std::string explicit_steps = "time.method=explicit";
-  return {
-      {usual_way, {implicit, euler, shortcut}},
+  std::vector<Way> ways{
+      {usual_way, {implicit, euler, shortcut}, true},
       {"generalised_alpha", {implicit, "time.scheme=generalised_alpha", shortcut}},
       {"average_acceleration", {implicit, "time.scheme=average_acceleration", shortcut}},
       {slow_limit_way, {"time.method=quasi_static", shortcut}},
@@ -42,8 +45,8 @@ std::vector<Way> ways(bool has_shortcut) {
       {"quasi_static_lagged",
        {"time.method=quasi_static", shortcut, "needles.0.cutting.law=lagged"}},
       {"lumped_mass", {implicit, euler, shortcut, "tissue.mass=lumped"}},
-      {"p1", {implicit, euler, shortcut, "tissue.formulation=p1"}},
-      {"p1_averaged", {implicit, euler, shortcut, "tissue.formulation=p1_averaged"}},
+      {"p1", {implicit, euler, shortcut, "tissue.formulation=p1"}, true},
+      {"p1_averaged", {implicit, euler, shortcut, "tissue.formulation=p1_averaged"}, true},
       {"whole_procedure", {implicit, euler, "time.until=settled"}},
       {"explicit", {explicit_steps, shortcut}},
       // Explicit steps cannot bear stiffness damping; this one settles tissue within centiseconds.
@@ -51,6 +54,10 @@ std::vector<Way> ways(bool has_shortcut) {
        {explicit_steps, shortcut, "tissue.damping.stiffness_factor=null",
         "tissue.damping.mass_factor=200 1/s"}},
   };
+  if (in_space) {
+    ways.push_back({"p2", {implicit, euler, shortcut, "tissue.formulation=p2"}, true});
+  }
+  return ways;
 }
 
 std::string level_changes(int refine) {
@@ -88,19 +95,10 @@ class Study {
     require_levels(comm, "tradeoff", scene, scene.mesh.refine + double(options.mesh_levels),
                    scene.time.step / 2, scene.time.step * std::pow(2.0, options.step_levels - 1));
     meshes_ = mesh_files(comm, std::span(&scene, 1));
-    const bool has_shortcut = allows("time.until=implanted");
-    for (const Way& way : ways(has_shortcut)) {
-      if (way.name == "whole_procedure" && !has_shortcut) continue;  // all are
-      for (int mesh = 0; mesh < options.mesh_levels; ++mesh) {
-        for (int step = 0; step < options.step_levels; ++step) {
-          // Explicit steps are cut to the stable one.
-          if (way.name.starts_with("explicit") && step > 0) continue;
-          plan(way, scene.mesh.refine + mesh, scene.time.step * std::pow(2.0, step));
-        }
-      }
-    }
-    plan({"reference", ways(has_shortcut).front().changes}, scene.mesh.refine + options.mesh_levels,
-         scene.time.step / 2);
+    n_cells_ = "n_" + scene.cells();
+    has_kernel_ = scene.dim() == 3;
+    for (const auto& needle : scene.needles) radii_.push_back(needle.space.kernel_radius);
+    plan_all(scene);
   }
 
   Tradeoff run() {
@@ -117,6 +115,31 @@ class Study {
   }
 
  private:
+  void plan_all(const Scene& scene) {
+    const bool has_shortcut = allows("time.until=implanted");
+    const auto all = ways(has_shortcut, has_kernel_);
+    const std::vector<double> own = {1};
+    const std::vector<double> kernels = has_kernel_ ? std::vector{1, 1 / kernel_ratio} : own;
+    for (const Way& way : all) {
+      if (way.name == "whole_procedure" && !has_shortcut) continue;  // all are
+      for (const double kernel : way.is_element ? kernels : own) {
+        for (int mesh = 0; mesh < options_.mesh_levels; ++mesh) {
+          for (int step = 0; step < options_.step_levels; ++step) {
+            // Explicit steps are cut to the stable one.
+            if (way.name.starts_with("explicit") && step > 0) continue;
+            plan(way, {scene.mesh.refine + mesh, scene.time.step * std::pow(2.0, step), kernel});
+          }
+        }
+      }
+    }
+    for (const double kernel : kernels) {
+      plan({reference_way, all.front().changes},
+           {scene.mesh.refine + options_.mesh_levels, scene.time.step / 2, kernel});
+      (void)load_scene(file_, text_,
+                       overrides_.back());  // without it there is nothing to compare with
+    }
+  }
+
   void run_in(Table kept) {
     // Rows are in the order of the runs; behind a missing one they are run again.
     std::size_t n_rows = 0;
@@ -155,15 +178,20 @@ class Study {
     }
   }
 
-  void plan(const Way& way, int refine, double step) {
+  void plan(const Way& way, const Level& level) {
     TradeoffRun& run = result_.runs.emplace_back();
     run.way = way.name;
-    run.refine = refine;
-    run.step = step;
+    run.refine = level.refine;
+    run.step = level.step;
+    run.kernel = level.kernel;
     auto& changes = overrides_.emplace_back(changes_);
     changes.insert(changes.end(), way.changes.begin(), way.changes.end());
-    changes.push_back(level_changes(refine));
-    changes.push_back("time.step=" + exact(step) + " s");
+    changes.push_back(level_changes(level.refine));
+    changes.push_back("time.step=" + exact(level.step) + " s");
+    for (std::size_t i = 0; i < radii_.size() && level.kernel != 1; ++i) {
+      changes.push_back(item("needles", i) + ".kernel_radius=" + exact(level.kernel * radii_[i]) +
+                        " m");
+    }
     changes.emplace_back("output.snapshots=null");
   }
 
@@ -182,32 +210,30 @@ class Study {
     return text;
   }
 
-  static std::vector<std::string> columns() {
-    return {"run",      "way",           "status",       "refine",
-            "step [s]", "n_triangles",   "steps",        "placement_error",
-            "error",    "wall_time [s]", "shortest [s]", "longest [s]"};
+  [[nodiscard]] std::vector<std::string> columns() const {
+    std::vector<std::string> names{"run", "way", "status", "refine", "step [s]"};
+    if (has_kernel_) names.emplace_back("kernel");
+    names.insert(names.end(), {n_cells_, "steps", "placement_error", "error", "wall_time [s]",
+                               "shortest [s]", "longest [s]"});
+    return names;
   }
 
   std::vector<std::string> row(std::size_t i,
                                const StudyRun& run,
                                std::vector<double> times) const {
     std::ranges::sort(times);
-    const auto number = [&](const char* path) {
+    const auto number = [&](const std::string& path) {
       const auto value = find_number(run.summary, path);
       return value ? exact(*value) : "";
     };
-    return {id_of(i),
-            result_.runs[i].way,
-            run.error.empty() ? "done" : "failed",
-            std::to_string(result_.runs[i].refine),
-            exact(result_.runs[i].step),
-            number("n_triangles"),
-            number("sub_steps"),
-            number(quantity),
-            run.error,
-            exact(times[times.size() / 2]),
-            exact(times.front()),
-            exact(times.back())};
+    const TradeoffRun& planned = result_.runs[i];
+    std::vector<std::string> row{id_of(i), planned.way, run.error.empty() ? "done" : "failed",
+                                 std::to_string(planned.refine), exact(planned.step)};
+    if (has_kernel_) row.push_back(exact(planned.kernel));
+    row.insert(row.end(),
+               {number(n_cells_), number("sub_steps"), number(quantity), run.error,
+                exact(times[times.size() / 2]), exact(times.front()), exact(times.back())});
+    return row;
   }
 
   std::vector<std::string> measure(std::size_t i, const Poll& poll) {
@@ -269,27 +295,47 @@ class Study {
       run.value = std::stod(row[table.column("placement_error")]);
       run.seconds = std::stod(row[table.column("wall_time [s]")]);
     }
-    const TradeoffRun& reference = result_.runs.back();
-    if (!reference.failure.empty()) {
-      throw NumericalError("tradeoff: the reference run failed: " + reference.failure);
-    }
-    result_.reference = reference.value;
-    for (TradeoffRun& run : result_.runs) run.error = std::abs(run.value - result_.reference);
+    compare();
     for (TradeoffRun& run : result_.runs) {
       for (const TradeoffRun& finer : result_.runs) {
         if (finer.way == run.way && finer.failure.empty() && finer.refine >= run.refine &&
-            finer.step <= run.step) {
+            finer.step <= run.step && finer.kernel == run.kernel) {
           run.safe_error = std::max(run.safe_error, finer.error);
         }
       }
     }
     for (TradeoffRun& run : result_.runs) {
-      if (!run.failure.empty() || run.way == "reference") continue;
+      if (!run.failure.empty() || is_reference(run)) continue;
       run.on_front = std::ranges::none_of(result_.runs, [&](const TradeoffRun& other) {
-        return other.failure.empty() && other.way != "reference" && other.seconds <= run.seconds &&
+        return other.failure.empty() && !is_reference(other) && other.seconds <= run.seconds &&
                other.safe_error <= run.safe_error &&
                (other.seconds < run.seconds || other.safe_error < run.safe_error);
       });
+    }
+  }
+
+  /// With the finest run of each kernel, and that kernel with none: the two differ by the share of the kernel's
+  /// own error that its smaller square takes away.
+  void compare() {
+    const auto first = std::ranges::find_if(result_.runs, is_reference);
+    for (auto run = first; run != result_.runs.end(); ++run) {
+      if (!run->failure.empty()) {
+        throw NumericalError("tradeoff: the reference run failed: " + run->failure);
+      }
+    }
+    result_.reference = first->value;
+    if (has_kernel_) {
+      const double without =
+          extrapolate_known(first->value, result_.runs.back().value, kernel_ratio, kernel_order)
+              .limit;
+      result_.kernel_error = std::abs(first->value - without);
+    }
+    for (TradeoffRun& run : result_.runs) {
+      const auto finest = std::find_if(
+          first, result_.runs.end(),
+          [&](const TradeoffRun& reference) { return reference.kernel == run.kernel; });
+      run.error = std::abs(run.value - finest->value) +
+                  result_.kernel_error * std::pow(run.kernel, kernel_order);
     }
   }
 
@@ -302,6 +348,9 @@ class Study {
   std::map<std::pair<int, double>, double> usual_steps_;  ///< by refine and step
   Tradeoff result_;
   MeshFiles meshes_;
+  std::string n_cells_;        ///< a number of summary.json
+  bool has_kernel_ = false;    ///< the scene is in space
+  std::vector<double> radii_;  ///< m; of the needles' kernels
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "stylet/output/summary.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/simulation/point_text.hpp"
 #include "stylet/study/tradeoff.hpp"
 
 #include <nlohmann/json.hpp>
@@ -19,7 +20,8 @@ std::string label(const TradeoffRun& run) {
   char text[100];
   std::snprintf(text, sizeof text, "%s, mesh.refine %d, step %.4g ms", run.way.c_str(), run.refine,
                 1e3 * run.step);
-  return text;
+  const std::string kernel = run.kernel == 1 ? "" : ", kernel " + brief(run.kernel) + " of its own";
+  return text + kernel;
 }
 
 std::vector<const TradeoffRun*> front_of(const Tradeoff& result) {
@@ -37,7 +39,8 @@ std::optional<double> dynamic_share(const Tradeoff& result) {
   for (const auto& a : result.runs) {
     if (a.way != usual_way || !a.failure.empty()) continue;
     for (const auto& b : result.runs) {
-      if (b.way != slow_limit_way || !b.failure.empty() || b.refine != a.refine || b.step != a.step)
+      if (b.way != slow_limit_way || !b.failure.empty() || b.refine != a.refine ||
+          b.step != a.step || b.kernel != a.kernel)
         continue;
       largest = std::max(largest.value_or(0), std::abs(a.value - b.value));
     }
@@ -61,6 +64,14 @@ std::vector<std::string> advice(const Tradeoff& result) {
     }
     lines.emplace_back(text);
   }
+  if (result.kernel_error > 0) {
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "errors include %.3f mm of the scene's kernel, as two kernels on the finest mesh tell",
+        1e3 * result.kernel_error);
+    lines.emplace_back(text);
+  }
   if (const auto share = dynamic_share(result)) {
     char text[120];
     std::snprintf(text, sizeof text,
@@ -73,8 +84,11 @@ std::vector<std::string> advice(const Tradeoff& result) {
 
 Json json_of(const Tradeoff& result) {
   Json json{{"reference", result.reference}, {"advice", advice(result)}};
+  const bool has_kernel = result.runs.back().kernel != 1;
+  if (has_kernel) json["kernel_error"] = result.kernel_error;
   for (const auto& run : result.runs) {
     Json entry{{"way", run.way}, {"refine", run.refine}, {"step", run.step}};
+    if (has_kernel) entry["kernel"] = run.kernel;
     if (run.failure.empty()) {
       entry.update({{"placement_error", run.value},
                     {"error", run.error},
@@ -90,7 +104,7 @@ Json json_of(const Tradeoff& result) {
 }
 
 void print(const Tradeoff& result) {
-  const TradeoffRun& finest = result.runs.back();
+  const TradeoffRun& finest = *std::ranges::find_if(result.runs, is_reference);
   std::printf(
       "reference: %.4f mm (%s, %.3g s)\n\nPareto front: nothing faster is as accurate; errors are "
       "the largest of a run and all finer ones "

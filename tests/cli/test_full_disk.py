@@ -99,14 +99,15 @@ class FullDisk(CliTest):
         self.write("scene.yaml", NEEDLE_SCENE)
         (self.folder / "disk").mkdir()
         for n in (1, 2):
-            # Without snapshots nothing else is written until the end, after minutes.
+            # Without snapshots nothing else is written until the end. The disk has room for few steps: two
+            # ranks on a busy machine wait for each other many times in each.
             outcome, status, folder = self.on_small_disk(
-                256, n, "--set", "output.snapshots=null", "--set", "time.step=0.02 ms")
+                64, n, "--set", "output.snapshots=null", "--set", "time.step=0.02 ms")
             self.assert_code(outcome, IO)
             self.assertIn("history.csv", outcome.err)
             self.assertEqual(status, "failed")
             lines = (folder / "history.csv").read_text().splitlines()
-            self.assertGreater(len(lines), 100)
+            self.assertGreater(len(lines), 50)
             self.assertLess(float(lines[-2].split(",")[0]), 0.5)
 
     def with_limited_files(self, command):

@@ -1,6 +1,7 @@
 """Where results go: nothing of the user's is lost, and a folder that cannot be used is named."""
 
 import os
+import signal
 import subprocess
 import time
 import unittest
@@ -120,6 +121,7 @@ class OutputFolder(CliTest):
         while not (self.folder / "busy/history.csv").exists():
             self.assertIsNone(program.poll())
             time.sleep(0.01)
+        program.send_signal(signal.SIGSTOP)  # it holds the folder for as long as the others take
         for force in ([], ["--force"]):
             for n in (1, 2):
                 outcome = on_ranks(n, self.folder, "run", "scene.yaml", "--output", "busy", *force)

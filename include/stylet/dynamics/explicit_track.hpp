@@ -39,7 +39,6 @@ class ExplicitTrack {
   int n_dofs_;
   NearField near_;
   RowForces rows_;
-  const TrackOperator* track_ = nullptr;
   std::vector<double> start_;  ///< of the near rows (m)
   std::size_t n_placed_ = 0;   ///< of them, in this step
   double h_ = 0;

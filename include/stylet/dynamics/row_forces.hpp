@@ -19,6 +19,8 @@ class RowForces {
   void follow(const TrackOperator& track) { track_ = &track; }
   void leave();
   [[nodiscard]] bool has_track() const { return track_ != nullptr; }
+  /// The one that is followed.
+  [[nodiscard]] const TrackOperator& track() const { return *track_; }
 
   /// Displacement of a row (m).
   [[nodiscard]] double rest_of(int coordinate) const;
@@ -29,8 +31,6 @@ class RowForces {
             std::span<const double> extra,
             const NearField::Demand& demand,
             const NearField::Solution& solution);
-  /// N, by coordinate.
-  [[nodiscard]] const std::vector<DofValue>& forces() const { return forces_; }
   void archive(Archive& archive);
 
  private:

@@ -25,8 +25,6 @@ class CutPath final : public ReferencePath {
           NeedleTissue tissue);
 
   NeedleEdits enter(const Entry& entry, const NeedleView& start) override;
-  [[nodiscard]] EarlierCuts leave() const override;
-
   [[nodiscard]] double length() const override { return track_.distances(mesh_).front(); }
   [[nodiscard]] double tip_along() const override { return Axis::along(tip()); }
   [[nodiscard]] bool is_uncut() const override { return track_.size() == 1; }
@@ -57,7 +55,6 @@ class CutPath final : public ReferencePath {
                double speed) override;
 
   void start_step(double advance) override;
-  [[nodiscard]] std::optional<double> end() const override;
   void begin_cut() override { hand_over_wanted_ = true; }
   bool pass_end() override;
   void puncture() override;
@@ -67,11 +64,6 @@ class CutPath final : public ReferencePath {
   void archive(Archive& archive) override;
 
  private:
-  enum class EndKind { hand_over, membrane, virgin };
-  struct End {
-    double b;
-    EndKind kind;
-  };
   [[nodiscard]] ReferencePoint tip() const { return mesh_.point(track_.tip()); }
   [[nodiscard]] ReferencePoint point(std::size_t i) const {
     return mesh_.point(track_.nodes()[i].node);
@@ -86,7 +78,6 @@ class CutPath final : public ReferencePath {
   Axis axis_;
   Skin skin_;                               ///< around the entry, as far as the tip can press on it
   std::optional<ReferencePoint> membrane_;  ///< where the tip stands at it, not yet punctured
-  std::vector<ReferencePlace> punctures_;   ///< of this needle and those before
 
   // The advance within the present step.
   std::optional<AdvanceBase> base_;
@@ -94,7 +85,6 @@ class CutPath final : public ReferencePath {
   bool postponed_ = false;  ///< no node may become the tip yet: goes on to the end of its reach
   int passages_ = 0;        ///< flips in this step that made way for the tip
   double base_free_ = 0;    ///< advance from base_ that is cut already (m)
-  std::optional<End> end_;  ///< of base_
 };
 
 }  // namespace stylet

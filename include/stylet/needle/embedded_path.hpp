@@ -26,8 +26,6 @@ class EmbeddedPath final : public ReferencePath {
                bool stops_at_ends,
                NeedleTissue tissue);
 
-  [[nodiscard]] EarlierCuts leave() const override;
-
   [[nodiscard]] double length() const override { return base_ + b_; }
   [[nodiscard]] double tip_along() const override { return length(); }
   [[nodiscard]] bool is_uncut() const override { return length() == 0; }
@@ -55,7 +53,6 @@ class EmbeddedPath final : public ReferencePath {
                const std::optional<FrictionParameters>& friction,
                double speed) override;
 
-  [[nodiscard]] std::optional<double> end() const override;
   bool pass_end() override;
   void puncture() override;
   void new_base() override;
@@ -64,14 +61,8 @@ class EmbeddedPath final : public ReferencePath {
   void archive(Archive& archive) override;
 
  private:
-  enum class EndKind { hand_over, membrane, virgin, track };
-  struct End {
-    double b;
-    EndKind kind;
-  };
   [[nodiscard]] int last() const { return static_cast<int>(track_.size()) - 1; }
   bool find_base();
-  void go(double b);
   void stand();
 
   const Mesh& mesh_;
@@ -79,12 +70,10 @@ class EmbeddedPath final : public ReferencePath {
   std::vector<double>
       crossings_;  ///< depths at which the membrane crosses the track (m), ascending
   std::optional<double> membrane_;  ///< depth at which the tip stands at it, not yet punctured
-  std::vector<ReferencePlace> punctures_;  ///< of this needle and those before
-  double base_ = 0;                        ///< depth at which the present base begins (m)
-  int cell_ = 0;                           ///< at the tip
-  double rest_ = 0;                        ///< of the tip's load, see EmbeddedTrack::rest_of_ends
-  std::optional<End> end_;                 ///< of the base
-  bool leaves_ = false;                    ///< the tip has come to the end of the track
+  double base_ = 0;                 ///< depth at which the present base begins (m)
+  int cell_ = 0;                    ///< at the tip
+  double rest_ = 0;                 ///< of the tip's load, see EmbeddedTrack::rest_of_ends
+  bool leaves_ = false;             ///< the tip has come to the end of the track
 };
 
 }  // namespace stylet

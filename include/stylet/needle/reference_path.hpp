@@ -19,6 +19,7 @@
 #include "stylet/needle/track_view.hpp"
 #include "stylet/needle/view.hpp"
 
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -122,7 +123,7 @@ class ReferencePath : public TrackOperator {
   /// The skin node slides to the axis; start: the two nodes of the entry. Returns the edit. Of the plane only.
   virtual NeedleEdits enter(const Entry& entry, const NeedleView& start);
   /// What later needles find: the earlier cuts and this one.
-  [[nodiscard]] virtual EarlierCuts leave() const = 0;
+  [[nodiscard]] EarlierCuts leave() const;
   /// Nodes whose state at the start of a step `plan` needs; ascending.
   [[nodiscard]] virtual std::vector<int> watched() const { return {}; }
 
@@ -133,7 +134,9 @@ class ReferencePath : public TrackOperator {
   /// m, from the present base.
   [[nodiscard]] double b() const { return b_; }
   /// The largest b of this base, if it is known yet.
-  [[nodiscard]] virtual std::optional<double> end() const = 0;
+  [[nodiscard]] std::optional<double> end() const {
+    return end_ ? std::optional(end_->b) : std::nullopt;
+  }
   /// Counts bases: with another one the gap is another function of b.
   [[nodiscard]] long long base() const { return n_bases_; }
 
@@ -165,7 +168,21 @@ class ReferencePath : public TrackOperator {
       : tip_length_(tip_length),
         radius_(radius),
         stops_at_ends_(stops_at_ends),
-        tissue_(std::move(tissue)) {}
+        tissue_(std::move(tissue)),
+        punctures_(tissue_.earlier.punctures) {}
+
+  /// What ends a base: where another point of the path begins, the membrane, uncut tissue behind an earlier
+  /// needle's cut, the end of the track.
+  enum class EndKind { hand_over, membrane, virgin, track };
+  struct End {
+    double b;
+    EndKind kind;
+  };
+
+  /// The tip stands at the membrane, which gives way there.
+  void puncture_at(const ReferencePlace& x);
+  /// Takes what remains of the advance as far as the end of the base allows: go(b) brings the tip there.
+  void carry_out(const std::function<void(double)>& go, Plan& plan);
 
   /// Nearer than this to the end of an earlier cut the tip is there (m).
   static constexpr double touching = 1e-9;
@@ -184,13 +201,15 @@ class ReferencePath : public TrackOperator {
   Track track_;
   bool free_ = false;  ///< the tip moves where an earlier needle has cut
   NeedleCounts counts_;
-  double exposed_ = 0;  ///< length of the path ahead of a withdrawn tip (m)
+  double exposed_ = 0;                     ///< length of the path ahead of a withdrawn tip (m)
+  std::vector<ReferencePlace> punctures_;  ///< of this needle and those before
 
   // The advance within the present step.
   long long n_bases_ = 0;
-  double b_ = 0;          ///< applied from the base (m)
-  double remaining_ = 0;  ///< still to apply (m)
-  double advanced_ = 0;   ///< over the whole step (m)
+  double b_ = 0;            ///< applied from the base (m)
+  double remaining_ = 0;    ///< still to apply (m)
+  double advanced_ = 0;     ///< over the whole step (m)
+  std::optional<End> end_;  ///< of the base
 };
 
 }  // namespace stylet

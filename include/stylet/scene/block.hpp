@@ -23,6 +23,13 @@ struct Field {
     field.key.fallback = fallback;
     return field;
   }
+  /// Another way to write a key of the block, into whose value it is turned: never written, and refused beside it.
+  [[nodiscard]] Field spelling_of(const std::string& name) const {
+    Field field = otherwise("not beside " + name);
+    field.key.spells = name;
+    field.write = [](const Owner&) { return std::nullopt; };
+    return field;
+  }
   /// Written only where the condition holds.
   template <class Condition>
   [[nodiscard]] Field written_if(Condition condition) const {
@@ -128,7 +135,7 @@ struct Exclusive {
   bool needed = true;
 };
 
-/// Refuses everything but a map with known keys and all required ones.
+/// Refuses everything but a map with known keys and all required ones, each spelt in one way.
 void require_block(const Node& node, const Key& key);
 void require_exclusive(const Node& node, const Exclusive& exclusive);
 

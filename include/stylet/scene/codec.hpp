@@ -43,7 +43,8 @@ struct Key {
   std::string doc = {};       ///< one line
   bool required = false;
   std::vector<Key> keys = {};
-  Range range = {};  ///< of a number
+  Range range = {};         ///< of a number
+  std::string spells = {};  ///< the key of the same block that this is another way to write
 };
 
 /// What may stand at a key, for messages: 'a number with a unit, such as mm, > 0 m'.

@@ -1,5 +1,5 @@
-// What holds and pushes the tissue during one step. Dofs beyond the mesh's own are rows of `track`
-// (coordinate_of).
+// What holds and pushes the tissue during one step. Dofs beyond the mesh's own are rows of the track
+// that the integrator follows (coordinate_of).
 #pragma once
 
 #include "stylet/solvers/track_operator.hpp"
@@ -41,10 +41,9 @@ struct Dashpot {
 struct ConstraintSet {
   std::vector<PrescribedDof> dofs;  ///< each dof at most once
   std::optional<MeanCondition> mean;
-  std::vector<DofValue> forces;          ///< N, on dofs
-  std::vector<Dashpot> dashpots;         ///< on dofs that are not prescribed, each at most once
-  bool load_jumps = false;               ///< other forces on the tissue begin in this step
-  const TrackOperator* track = nullptr;  ///< lent; of rows, if there are any
+  std::vector<DofValue> forces;   ///< N, on dofs
+  std::vector<Dashpot> dashpots;  ///< on dofs that are not prescribed, each at most once
+  bool load_jumps = false;        ///< other forces on the tissue begin in this step
 };
 
 /// Throws NumericalError: a mean condition whose dofs are all held.

@@ -1,4 +1,8 @@
-// Speed against accuracy: methods, meshes and steps of one scene, their error and their time.
+// Speed against accuracy: methods, meshes, steps and kernels of one scene, their error and their time.
+//
+// A needle in space is split by a kernel, whose own error no mesh shows: it goes with the radius squared
+// (converge.hpp). So the reference has a narrower kernel beside the scene's, each run is compared with the one of
+// its kernel, and what that kernel itself is off by, as those two tell, is added.
 #pragma once
 
 #include "stylet/study/study_folder.hpp"
@@ -21,16 +25,18 @@ struct TradeoffOptions {
 struct Way {
   std::string name;
   std::vector<std::string> changes;
+  bool is_element = false;  ///< the usual way, or it with another element
 };
 
 struct TradeoffRun {
   std::string way;
   int refine = 0;
-  double step = 0;   ///< s, as asked for
-  double value = 0;  ///< m, placement error
-  double error = 0;  ///< m, of the value against the reference
-  /// m; the largest error of this and all finer runs of this way. Errors of mesh and step may cancel
-  /// at one level; only this one can be relied on.
+  double step = 0;    ///< s, as asked for
+  double kernel = 1;  ///< of needles in space: kernel_radius over the scene's
+  double value = 0;   ///< m, placement error
+  double error = 0;  ///< m, of the value against the reference of its kernel, with the kernel's own
+  /// m; the largest error of this and all finer runs of this way and kernel. Errors of mesh and step may
+  /// cancel at one level; only this one can be relied on.
   double safe_error = 0;
   double seconds = 0;  ///< median wall time
   std::string failure;
@@ -39,9 +45,16 @@ struct TradeoffRun {
 
 struct Tradeoff {
   std::string folder;
-  double reference = 0;  ///< m
+  double reference = 0;     ///< m
+  double kernel_error = 0;  ///< m; of the scene's kernel
   std::vector<TradeoffRun> runs;
 };
+
+constexpr const char* reference_way = "reference";
+/// The way of a finest run, which the others are compared with.
+[[nodiscard]] inline bool is_reference(const TradeoffRun& run) {
+  return run.way == reference_way;
+}
 
 // The way that all others are measured against, and the one without inertia.
 constexpr const char* usual_way = "backward_euler";

@@ -12,7 +12,7 @@
 namespace stylet {
 namespace {
 
-/// Between them they give every key of the schema.
+/// Between them they give every key of the schema but other spellings of keys.
 const std::string everything = R"(mesh:
   rectangle:
     origin: [-1 cm, 1e-3 m]
@@ -148,13 +148,18 @@ void collect(const Node& node,
   }
 }
 
-TEST(Writer, WritesEveryKeyOfTheSchema) {
+TEST(Writer, WritesEveryKeyOfTheSchemaInOneSpelling) {
   std::set<std::string> written;
   for (const std::string& text :
        {everything, polygon_scene(), block_scene, procedure_scene, in_space, needles_in_space}) {
     collect(to_document(load_scene("s.yaml", text)), scene_codec().key, {}, written);
   }
-  for (const SchemaRow& row : schema_rows()) EXPECT_TRUE(written.contains(row.path)) << row.path;
+  std::string spelling = "none";
+  for (const SchemaRow& row : schema_rows()) {
+    if (!row.key->spells.empty()) spelling = row.path;
+    const bool is_spelling = row.path == spelling || row.path.starts_with(spelling + ".");
+    EXPECT_EQ(written.contains(row.path), !is_spelling) << row.path;
+  }
 }
 
 TEST(Writer, WhatItWritesLoadsToTheSameScene) {

@@ -1,5 +1,7 @@
 #include "stylet/study/field_sample.hpp"
 
+#include "stylet/mesh/box.hpp"
+#include "stylet/mesh/quadratic.hpp"
 #include "stylet/mesh/rectangle.hpp"
 #include "stylet/mesh/refine.hpp"
 
@@ -46,6 +48,28 @@ TEST(FieldSample, RelativeToTheFineField) {
   const Function one = [](double, double) { return 1.0; };
   const Function two = [](double, double) { return 2.0; };
   EXPECT_NEAR(relative_distance(sampled(0, one), sampled(1, two)), 0.5, 1e-15);
+}
+
+// Squares of quadratic fields are of degree four: ||1 - x^2|| / ||x^2|| in the unit cube.
+TEST(FieldSample, QuadraticFieldsAreIntegratedExactly) {
+  BoxMesh cube;
+  cube.width = cube.height = cube.depth = 1;
+  cube.columns = cube.rows = cube.layers = 1;
+  const auto cubic = [&cube](int refinements, const std::function<double(double)>& f) {
+    MeshData data = refine(make_box(cube), refinements);
+    add_mid_edge_nodes(data);
+    FieldSample sample{0, data.coordinates, data.cells, {}};
+    sample.dim = 3;
+    sample.quadratic_cells = data.quadratic_cells;
+    for (std::size_t i = 0; i < data.coordinates.size(); i += 3) {
+      sample.u.insert(sample.u.end(), {f(data.coordinates[i]), 0, 0});
+    }
+    return sample;
+  };
+  const auto fine = cubic(1, [](double x) { return x * x; });
+  EXPECT_NEAR(relative_distance(cubic(0, [](double) { return 1.0; }), fine), std::sqrt(8.0 / 3),
+              1e-14);
+  EXPECT_LT(relative_distance(cubic(0, [](double x) { return x * x; }), fine), 1e-14);
 }
 
 TEST(FieldSample, FilesComeBack) {
