@@ -1,113 +1,25 @@
-// A needle of 18G in a cylinder, on its axis: radius 40 mm, height 60 mm, side and bottom fixed, E = 60 kPa.
-// Far field by tetrahedra, near field in closed form. The known answers are of an axisymmetric computation
-// with quadratic elements down to 0.04 mm by another program.
-#include "stylet/mesh/gmsh_reader.hpp"
-#include "stylet/mesh/refine.hpp"
-#include "stylet/needle/embedded_track.hpp"
-#include "stylet/solvers/near_field.hpp"
-
+// The needle of support/can.hpp. The known answers are of an axisymmetric computation with quadratic elements
+// down to 0.04 mm by another program.
+#include "support/can.hpp"
 #include "support/jitter.hpp"
-#include "support/solid.hpp"
 #include <gtest/gtest.h>
 
 #include <array>
-#include <fstream>
-#include <sstream>
 
 namespace stylet {
 namespace {
-
-constexpr double youngs_modulus = 60e3;
-constexpr double tip_length = 6e-3;
-
-/// 1648 tetrahedra, or 482 of the quadratic ones.
-MeshData can(int refinements, Formulation formulation) {
-  const char* const file =
-      formulation == Formulation::p2 ? STYLET_COARSE_CAN_MESH : STYLET_CAN_MESH;
-  std::ifstream in(file);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return refine(read_gmsh(file, text.str(), 1e-3), refinements);
-}
-
-class Can {
- public:
-  Can(int refinements, double nu, Formulation formulation, double depth = 0.035)
-      : body_(can(refinements, formulation), solid({youngs_modulus, nu, 1000}, formulation)),
-        track_(body_.mesh,
-               {0, 0, 0.07},
-               {0, 0, -1},
-               depth,
-               {.radius = 0.635e-3, .kernel_radius = 10e-3, .segment = 1e-3, .below_skin = true},
-               {{youngs_modulus / (2 * (1 + nu)), nu}}),
-        near_(MPI_COMM_WORLD, body_.tissue.n_dofs()) {
-    body_.tissue.make_tangent({0, 1});
-    std::vector<int> fixed = dofs_on(body_.mesh, "side");
-    const auto bottom = dofs_on(body_.mesh, "bottom");
-    fixed.insert(fixed.end(), bottom.begin(), bottom.end());
-    std::ranges::sort(fixed);
-    fixed.erase(std::ranges::unique(fixed).begin(), fixed.end());
-    near_.follow(&track_);
-    near_.factor(body_.tissue.tangent_matrix(), held(fixed).dofs);
-    near_.unload();
-  }
-
-  /// Force (N) of a needle that sticks and is moved by 1 mm.
-  [[nodiscard]] double stuck(Component component) {
-    NearField::Demand demand;
-    for (const std::size_t at : places(component)) demand.given.push_back({at, 1e-3});
-    const auto solution = near_.solve(std::vector<double>(near_.coordinates().size()), demand);
-    double force = 0;
-    for (const auto& given : demand.given) force += solution.reaction[given.at];
-    return force;
-  }
-
-  /// Mean displacement (mm) of the tip's zone, which ends at `depth`, by 1 N that is spread between two
-  /// depths, by shares of the segments.
-  [[nodiscard]] double tip(Component component, double depth, double from, double to) {
-    const auto at = places(component);
-    std::vector<double> force(near_.coordinates().size());
-    for (const auto& [point, share] : track_.shares(from, to)) {
-      force[at[static_cast<std::size_t>(point)]] = share;
-    }
-    const auto solution = near_.solve(force, {});
-    double mean = 0;
-    for (const auto& [point, share] : track_.shares(depth - tip_length, depth)) {
-      mean += share * solution.x[at[static_cast<std::size_t>(point)]];
-    }
-    return 1e3 * mean;
-  }
-  /// The same by its own load, with what the ends of the zone add.
-  [[nodiscard]] double tip_along(double depth) {
-    const double from = depth - tip_length;
-    return tip(Component::along, depth, from, depth) + 1e3 * track_.rest_of_ends(from, depth);
-  }
-
- private:
-  std::vector<std::size_t> places(Component component) {
-    std::vector<int> coordinates;
-    for (int point = 0; point < track_.size(); ++point) {
-      coordinates.push_back(coordinate_of(body_.tissue.n_dofs(), {point, component}));
-    }
-    near_.include(coordinates);
-    std::vector<std::size_t> at;
-    for (const int coordinate : coordinates) at.push_back(near_.at(coordinate));
-    return at;
-  }
-
-  Slab body_;
-  EmbeddedTrack track_;
-  NearField near_;
-};
 
 /// Forces of the stuck needle (N/mm), along and across; of the tip (mm/N) by its own load, along and
 /// across, and by one that is spread over the shaft behind it.
 using Answers = std::array<double, 5>;
 
+/// On 1648 tetrahedra, or 482 of the quadratic ones, and their refinements.
 Answers answers(int refinements, double nu, Formulation formulation) {
-  Can can(refinements, nu, formulation);
+  const char* const mesh =
+      formulation == Formulation::p2 ? STYLET_COARSE_CAN_MESH : STYLET_CAN_MESH;
+  Can can({mesh, refinements, nu, formulation});
   constexpr double depth = 0.035;
-  constexpr double shaft = depth - tip_length;
+  constexpr double shaft = depth - Can::tip_length;
   return {can.stuck(Component::along), can.stuck(Component::across),
           can.tip(Component::along, depth, shaft, depth),
           can.tip(Component::across, depth, shaft, depth),
@@ -169,7 +81,7 @@ TEST(TrackInSpace, ConvergesToTheNeedlesRadius) {
 
 // A tip that goes on through the mesh and through its own segments: rms about a cubic.
 TEST(TrackInSpace, TheTipsComplianceIsSmooth) {
-  Can can(1, 0.3, Formulation::p1, 0.04);
+  Can can({STYLET_CAN_MESH, 1, 0.3, Formulation::p1, 0.04});
   constexpr int n = 90;
   std::vector<double> compliance;
   for (int i = 0; i <= n; ++i) {
