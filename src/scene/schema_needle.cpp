@@ -1,7 +1,7 @@
 #include "stylet/scene/schema_needle.hpp"
 
-#include "stylet/needle/gauge.hpp"
 #include "stylet/scene/block.hpp"
+#include "stylet/scene/gauge.hpp"
 
 #include <algorithm>
 #include <numbers>

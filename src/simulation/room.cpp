@@ -36,7 +36,7 @@ double bytes_needed(const Scene& scene, double n_cells, int ranks) {
     double row;            ///< entries of a row of the operator
   };
   const auto formulation = scene.tissue.formulation;
-  const Each each = formulation == Formulation::p2            ? Each{6500, 24000, 4.3, 82}
+  const Each each = formulation == Formulation::p2            ? Each{6500, 20000, 4.3, 82}
                     : formulation == Formulation::p1_averaged ? Each{2400, 8000, 0.55, 180}
                                                               : Each{600, 2000, 0.55, 42};
   if (!factors) return program + each.operators * n_cells;

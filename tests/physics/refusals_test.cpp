@@ -291,6 +291,28 @@ TEST(Refusal, ASceneFromAFileIsNotCheckedASecondTime) {
   EXPECT_THROW(Simulation(MPI_COMM_WORLD, scene, false), InputError);
 }
 
+// Measured, bytes, on one rank (jobs/README.md).
+TEST(Refusal, RoomForTetrahedraIsAsMeasured) {
+  Scene scene;
+  scene.tissue.plane.reset();
+  scene.time.method = TimeMethod::quasi_static;
+  struct Measured {
+    Formulation formulation;
+    double n_cells;
+    double bytes;
+  };
+  for (const auto& [formulation, n_cells, bytes] :
+       std::vector<Measured>{{Formulation::p1, 46656, 0.232e9},
+                             {Formulation::p1, 157464, 0.833e9},
+                             {Formulation::p1_averaged, 46656, 0.563e9},
+                             {Formulation::p1_averaged, 157464, 2.08e9},
+                             {Formulation::p2, 5832, 0.292e9},
+                             {Formulation::p2, 13824, 0.704e9}}) {
+    scene.tissue.formulation = formulation;
+    EXPECT_NEAR(bytes_needed(scene, n_cells, 1) / bytes, 1.07, 0.12) << n_cells;
+  }
+}
+
 TEST(Refusal, AMeshThatFindsNoRoomIsNotMade) {
   Scene implicit;
   implicit.tissue.plane = Plane::stress;

@@ -1,5 +1,5 @@
 // Keys that are another way to write a key: the same value to the last digit, or a refusal.
-#include "stylet/needle/gauge.hpp"
+#include "stylet/scene/gauge.hpp"
 #include "stylet/scene/procedure.hpp"
 #include "stylet/scene/writer.hpp"
 
