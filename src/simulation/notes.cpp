@@ -60,8 +60,13 @@ void note_motion(const Simulation& simulation, std::vector<std::string>& notes) 
   if (simulation.scene().time.until_implanted) return;
   const Needle* needle = simulation.needle();
   if (needle != nullptr && !needle->released()) {
-    notes.push_back("needle '" + needle->parameters().name +
-                    "' is still in: seeds are where it holds them, not where they come to rest");
+    // In space the mesh has the needle's force spread over a kernel, and moves less than the needle does.
+    notes.push_back(
+        "needle '" + needle->parameters().name +
+        (simulation.scene().dim() == 3
+             ? "' is still in: seeds are where the mesh's smoothed displacement has them, "
+               "neither where the needle holds them nor where they come to rest"
+             : "' is still in: seeds are where it holds them, not where they come to rest"));
     return;
   }
   // A quasi-static step ends at rest, however far it went.
