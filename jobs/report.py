@@ -225,8 +225,9 @@ def seed_rows(summary):
             path = f"seeds.{i}.placement_error"
             yield (f"placement error of the seed for {name}",
                    with_band(summary, path, seed["placement_error"], 1e3, "mm") + distrust(seed))
-        yield (f"seed {name} (needle {seed['needle']}, left at {shown(seed['implanted_at'])} s) lies at",
-               escape(", ".join(f"{1e3 * x:.3f}" for x in seed["world"]) + " mm"))
+        if "world" in seed:  # not beside a needle in space that is still in
+            yield (f"seed {name} (needle {seed['needle']}, left at {shown(seed['implanted_at'])} s) lies at",
+                   escape(", ".join(f"{1e3 * x:.3f}" for x in seed["world"]) + " mm"))
         yield (f"seed {name}: the tissue there had moved by",
                escape(f"{1e3 * seed['tip_displacement']:.3f} mm"))
 

@@ -343,9 +343,22 @@ std::string why_not_at_rest(const Scene& scene) {
   return {};
 }
 
+bool hides_places(const Scene& scene) {
+  return scene.dim() == 3 && !scene.needles.empty() && !scene.time.until_implanted &&
+         !ends_outside(scene.needles.back().motion);
+}
+
 void refuse_key(const Scene& scene, const std::string& path, const std::string& message) {
   const std::string& where = closest(scene.document, path).where;
   throw InputError((where.empty() ? scene.file : where) + ": key '" + path + "': " + message);
+}
+
+void require_places(const Scene& scene) {
+  if (!hides_places(scene)) return;
+  refuse_key(scene, "needles." + std::to_string(scene.needles.size() - 1) + ".motion",
+             "the needle is still in at the end, where the mesh does not tell in space where seeds "
+             "are; allowed: "
+             "a retract all the way out at the end");
 }
 
 void check_needle(const Scene& scene, const NeedleParameters& needle) {

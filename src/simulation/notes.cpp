@@ -1,6 +1,7 @@
 #include "stylet/simulation/notes.hpp"
 
 #include "stylet/petsc/check.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/simulation/point_text.hpp"
 #include "stylet/simulation/space_way.hpp"
 
@@ -60,12 +61,12 @@ void note_motion(const Simulation& simulation, std::vector<std::string>& notes) 
   if (simulation.scene().time.until_implanted) return;
   const Needle* needle = simulation.needle();
   if (needle != nullptr && !needle->released()) {
-    // In space the mesh has the needle's force spread over a kernel, and moves less than the needle does.
     notes.push_back(
         "needle '" + needle->parameters().name +
-        (simulation.scene().dim() == 3
-             ? "' is still in: seeds are where the mesh's smoothed displacement has them, "
-               "neither where the needle holds them nor where they come to rest"
+        (hides_places(simulation.scene())
+             ? "' is still in: the mesh's displacement is smoothed around it, so where seeds are "
+               "is not told; they "
+               "come to rest after a retract all the way out"
              : "' is still in: seeds are where it holds them, not where they come to rest"));
     return;
   }

@@ -297,7 +297,8 @@ class Overview {
     const double n = mesh_.n_cells();
     constexpr double program = 50e6;
     constexpr double a_triangle = 2300;
-    const double memory = in_space_ ? bytes_needed(scene_, n, n_ranks_) : program + a_triangle * n;
+    const double memory = in_space_ ? bytes_needed(scene_, n, n_ranks_, memory_for_solvers())
+                                    : program + a_triangle * n;
     add("size", "about " + bytes_text(memory * n_ranks_) + " of memory, " + bytes_text(disk()) +
                     " on disk");
     const auto [set_up, a_step] = in_space_ ? seconds_in_space(n) : seconds_in_the_plane(n);

@@ -3,6 +3,7 @@
 #include "stylet/output/chunk.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
+#include "stylet/scene/check.hpp"
 #include "stylet/simulation/cell_fields.hpp"
 #include "stylet/simulation/notes.hpp"
 #include "stylet/simulation/score.hpp"
@@ -319,7 +320,7 @@ ordered_json summarise(MPI_Comm comm,
     entry["needle"] = seed.needle;
     entry["implanted_at"] = seed.time;
     entry["reference"] = components(scene, turn.to_scene(places[i].x));
-    entry["world"] = components(scene, turn.to_scene(world[i]));
+    if (!hides_places(scene)) entry["world"] = components(scene, turn.to_scene(world[i]));
     entry["tip_displacement"] = norm(seed.displacement);
     entry["turned_over"] = seed.turned_over;
     for (const auto& target : scene.targets) {
@@ -327,7 +328,7 @@ ordered_json summarise(MPI_Comm comm,
       entry["target"] = target.name;
       entry["target_point"] = components(scene, turn.to_scene(target.point.place()));
       // Before the end the seed is not where it will be.
-      if (status == "completed") entry["placement_error"] = errors[i];
+      if (status == "completed" && !hides_places(scene)) entry["placement_error"] = errors[i];
     }
     summary["seeds"].push_back(entry);
   }

@@ -13,15 +13,14 @@ namespace stylet {
 
 namespace {
 
-double least_memory(MPI_Comm comm) {
-  double bytes = memory_here();
+double least(MPI_Comm comm, double bytes) {
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
   return bytes;
 }
 
 }  // namespace
 
-double bytes_needed(const Scene& scene, double n_cells, int ranks) {
+double bytes_needed(const Scene& scene, double n_cells, int ranks, double memory) {
   constexpr double program = 50e6;
   const bool factors = scene.time.method != TimeMethod::explicit_newmark;
   if (scene.dim() == 2) {
@@ -41,12 +40,14 @@ double bytes_needed(const Scene& scene, double n_cells, int ranks) {
                                                               : Each{600, 2000, 0.55, 42};
   if (!factors) return program + each.operators * n_cells;
   const double matrices = program + each.with_matrices * n_cells;
-  const double factor = factor_bytes(3, each.dofs * n_cells, each.row);
-  switch (solver_for(factor, ranks, ranks_on_a_machine(), memory_here())) {
+  const double n_dofs = each.dofs * n_cells;
+  const double factor = factor_bytes(3, n_dofs, each.row);
+  const double assembled = assembled_factor_bytes(3, n_dofs, each.row);
+  switch (solver_for(factor, assembled, ranks, ranks_on_a_machine(), memory)) {
     case SolverKind::factor_everywhere:
       return matrices + factor;
     case SolverKind::factor_distributed:
-      return matrices + 2 * factor / ranks;
+      return matrices + 2 * assembled / ranks;
     case SolverKind::multigrid:
       break;
   }
@@ -55,10 +56,11 @@ double bytes_needed(const Scene& scene, double n_cells, int ranks) {
 
 Room room_for(MPI_Comm comm, const Scene& scene, double n_cells, int refine) {
   const int ranks = ranks_on_a_machine();
-  const double there = least_memory(comm);
+  const double there = least(comm, memory_here());
+  const double for_solvers = least(comm, memory_for_solvers());
   const auto refined = [&](int times) { return n_cells * std::pow(2.0, scene.dim() * times); };
   const auto needed = [&](int times) {
-    return ranks * bytes_needed(scene, refined(times), size_of(comm));
+    return ranks * bytes_needed(scene, refined(times), size_of(comm), for_solvers);
   };
   Room room;
   while (needed(room.finest + 1) <= there && room.finest < refine) ++room.finest;

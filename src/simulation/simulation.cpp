@@ -385,7 +385,7 @@ std::vector<double> Simulation::placement_errors() const {
   std::vector<double> errors;
   for (std::size_t i = 0; i < seeds_.size(); ++i) {
     const auto target = std::ranges::find(scene_.targets, seeds_[i].target, &Target::name);
-    if (target == scene_.targets.end()) {
+    if (target == scene_.targets.end() || hides_places(scene_)) {
       errors.push_back(std::nan(""));
     } else if (scene_.time.until_implanted) {
       errors.push_back(distance(places[i].x, *target));

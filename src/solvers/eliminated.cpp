@@ -25,8 +25,10 @@ void Eliminated::take(Mat a, std::span<const PetscInt> dofs) {
   check(VecGetOwnershipRange(diagonal_.get(), &first, nullptr));
   std::vector<PetscInt> rows;
   for (const PetscInt i : dofs) rows.push_back(first + i);
-  // The eliminated rows' diagonal has the size of the others, for the sake of conditioning.
+  // The eliminated rows' diagonal has the size of the others, for the sake of conditioning; above zero, also where a
+  // saddle form has negative ones.
   check(MatGetDiagonal(a, diagonal_.get()));
+  check(VecAbs(diagonal_.get()));
   PetscScalar sum = 0;
   PetscInt n = 0;
   check(VecSum(diagonal_.get(), &sum));

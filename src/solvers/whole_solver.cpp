@@ -2,7 +2,6 @@
 
 #include "stylet/base/errors.hpp"
 #include "stylet/base/index.hpp"
-#include "stylet/base/memory.hpp"
 #include "stylet/petsc/check.hpp"
 #include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/gather.hpp"
@@ -66,34 +65,16 @@ SolverKind kind_for(MPI_Comm comm, Mat a) {
   check(MatGetSize(a, &n_dofs, nullptr));
   check(MatGetBlockSize(a, &dim));
   check(MatGetInfo(a, MAT_GLOBAL_SUM, &info));
-  const double factor = factor_bytes(dim, n_dofs, info.nz_used / n_dofs);
-  int kind =
-      static_cast<int>(solver_for(factor, size_of(comm), ranks_on_a_machine(), memory_here()));
+  const double row = info.nz_used / n_dofs;
+  int kind = static_cast<int>(solver_for(factor_bytes(dim, n_dofs, row),
+                                         assembled_factor_bytes(dim, n_dofs, row), size_of(comm),
+                                         ranks_on_a_machine(), memory_for_solvers()));
   // The machine with the least room decides.
   MPI_Allreduce(MPI_IN_PLACE, &kind, 1, MPI_INT, MPI_MAX, comm);
   return static_cast<SolverKind>(kind);
 }
 
 }  // namespace
-
-double factor_bytes(int dim, double n_dofs, double entries_a_row) {
-  // Measured on meshes of 1e5 to 1e6 triangles; n log n, so more than enough on smaller ones.
-  constexpr double bytes_a_dof = 2400;
-  if (dim == 2) return bytes_a_dof * n_dofs;
-  // Nested dissection in space, measured on 4e4 to 1e6 tetrahedra of all kinds (jobs/README.md); more than
-  // enough by up to a third. Of averaged dilatation, whose rows are longest, the saddle form is factored.
-  constexpr double most_entries = 180;
-  return (70 + 0.4 * std::min(entries_a_row, most_entries)) * std::pow(n_dofs, 1.38);
-}
-
-SolverKind solver_for(double factor, int ranks, int ranks_of_machine, double machine_memory) {
-  // While it is made a factor takes 1.3 times the room of its numbers, a distributed one twice.
-  if (factor * ranks_of_machine < 0.5 * machine_memory) return SolverKind::factor_everywhere;
-  if (ranks > 1 && 2 * factor * ranks_of_machine / ranks < 0.65 * machine_memory) {
-    return SolverKind::factor_distributed;
-  }
-  return SolverKind::multigrid;
-}
 
 WholeSolver::WholeSolver(MPI_Comm comm, PetscInt n_dofs)
     : comm_(comm), n_dofs_(n_dofs), cholesky_(comm, n_dofs) {}
@@ -176,6 +157,7 @@ void WholeSolver::configure() {
 void WholeSolver::factor(Mat a, const std::function<Mat()>& saddle) {
   saddle_ = &saddle;
   loaded_ = false;
+  leave_rows();
   const bool same_layout = y_ && a == a_;
   a_ = a;
   if (!same_layout) {
@@ -188,14 +170,21 @@ void WholeSolver::factor(Mat a, const std::function<Mat()>& saddle) {
     configure();
   }
   check_options(KSPSetUp(ksp_.get()));
+  saddle_ = nullptr;
   PC pc = nullptr;
   PCFailedReason reason = PC_NOERROR;
   check(KSPGetPC(ksp_.get(), &pc));
   check(PCGetFailedReason(pc, &reason));
-  if (reason == PC_NOERROR) return;
-  throw NumericalError(
-      "the step's operator cannot be factored: it is singular or indefinite (is "
-      "the tissue supported, and are all elements valid?)");
+  if (reason != PC_NOERROR) {
+    throw NumericalError(
+        "the step's operator cannot be factored: it is singular or indefinite (is "
+        "the tissue supported, and are all elements valid?)");
+  }
+  if (!ours_ || !cholesky_.is_signed()) return;
+  // A saddle form's factor has no pivots to choose and no bound of its errors: it has to show what it can.
+  check(VecSet(rhs_.get(), 1));
+  solve(rhs_.get(), column_.get());
+  cholesky_.unload();
 }
 
 std::string WholeSolver::name() const {

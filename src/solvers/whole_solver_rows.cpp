@@ -4,6 +4,8 @@
 #include "stylet/petsc/gather.hpp"
 #include "stylet/solvers/whole_solver.hpp"
 
+#include <algorithm>
+
 namespace stylet {
 
 // B x
@@ -26,12 +28,13 @@ std::vector<double> WholeSolver::products(std::span<const SparseRow> rows, Vec x
 std::vector<double> WholeSolver::inverse_entries(std::span<const SparseRow> rows,
                                                  std::size_t from) {
   if (ours_) return cholesky_.inverse_entries(rows, from);
-  kept_.resize(from);
+  kept_.resize(std::min(kept_.size(), from));
   std::vector<double> entries;
-  answer_each(rows.subspan(from), [&](Vec x) {
+  answer_each(rows.subspan(kept_.size()), [&](Vec x) {
     OwnedVec& column = kept_.emplace_back();
     check(VecDuplicate(x, column.put()));
     check(VecCopy(x, column.get()));
+    if (kept_.size() <= from) return;
     const auto sums = products(rows, x);
     entries.insert(entries.end(), sums.begin(), sums.end());
   });

@@ -117,11 +117,14 @@ class Study {
  private:
   void plan_all(const Scene& scene) {
     const bool has_shortcut = allows("time.until=implanted");
+    Scene settled = scene;
+    settled.time.until_implanted = false;
+    if (!has_shortcut) require_places(settled);
     const auto all = ways(has_shortcut, has_kernel_);
     const std::vector<double> own = {1};
     const std::vector<double> kernels = has_kernel_ ? std::vector{1, 1 / kernel_ratio} : own;
     for (const Way& way : all) {
-      if (way.name == "whole_procedure" && !has_shortcut) continue;  // all are
+      if (way.name == "whole_procedure" && (!has_shortcut || hides_places(settled))) continue;
       for (const double kernel : way.is_element ? kernels : own) {
         for (int mesh = 0; mesh < options_.mesh_levels; ++mesh) {
           for (int step = 0; step < options_.step_levels; ++step) {

@@ -51,8 +51,15 @@ def main():
         told = subprocess.run([stylet, "run", scene, "--output", f"{folder}/run"], check=True,
                               capture_output=True, text=True).stdout
         assert ", kernel " in told, told
-        # The seed is 4.5 mm ahead of its place, the mesh around it less than 1.
-        assert "smoothed displacement" in told, told
+        # The seed is 4.5 mm ahead of its place, the mesh around it less than 1: that is no answer.
+        assert "where seeds are is not told" in told, told
+        assert "placement error of" not in told, told
+        summary = json.loads((pathlib.Path(folder) / "run/summary.json").read_text())
+        assert not {"world", "placement_error"} & set(summary["seeds"][0]), summary["seeds"]
+        waits = "needles.0.motion=[insert: {speed: 5 mm/s, depth: 39.493 mm}, implant, settle: {duration: 1 s}]"
+        refused = subprocess.run([stylet, "tradeoff", scene, "--set", waits, "--output", f"{folder}/tradeoff"],
+                                 check=False, capture_output=True, text=True)
+        assert refused.returncode == 2 and "a retract all the way out" in refused.stderr, refused.stderr
 
 
 main()

@@ -143,7 +143,8 @@ INSTANTIATE_TEST_SUITE_P(Options,
 TEST(SolverChoice, IsByTheRoomThatAFactorTakes) {
   constexpr double machine = 16e9;  // half of it has room for 3.3e6 dofs at 2400 bytes
   const auto solver_for = [](double n_dofs, int ranks, int ranks_of_machine, double memory) {
-    return stylet::solver_for(factor_bytes(2, n_dofs, 14), ranks, ranks_of_machine, memory);
+    const double factor = factor_bytes(2, n_dofs, 14);
+    return stylet::solver_for(factor, factor, ranks, ranks_of_machine, memory);
   };
   EXPECT_EQ(solver_for(3'300'000, 1, 1, machine), SolverKind::factor_everywhere);
   EXPECT_EQ(solver_for(3'400'000, 1, 1, machine), SolverKind::multigrid);
@@ -160,6 +161,9 @@ TEST(SolverChoice, IsByTheRoomThatAFactorTakes) {
   // As measured: p1 and p1_averaged on tetrahedra of Gmsh, p1 of a box.
   EXPECT_THAT(factor_bytes(3, 61113, 42) / 330e6, AllOf(Ge(1), Le(1.3)));
   EXPECT_THAT(factor_bytes(3, 61113, 180) / 588e6, AllOf(Ge(0.95), Le(1.3)));
+  EXPECT_THAT(assembled_factor_bytes(3, 27075, 258) / 391e6, AllOf(Ge(1), Le(1.3)));
+  EXPECT_EQ(stylet::solver_for(9e9, 20e9, 2, 2, machine), SolverKind::multigrid);
+  EXPECT_EQ(stylet::solver_for(5e9, 5e9, 2, 2, machine), SolverKind::factor_distributed);
   EXPECT_THAT(factor_bytes(3, 582624, 42) / 6.53e9, AllOf(Ge(1), Le(1.3)));
 }
 

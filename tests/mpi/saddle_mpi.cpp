@@ -227,5 +227,15 @@ TEST_P(Saddle, TakesNewNumbersAndRefusesAnIndefiniteOperator) {
   EXPECT_THROW(factor.factor(tissue->tangent_matrix(), tissue->saddle(indefinite)), NumericalError);
 }
 
+// The compliances of patches, below zero, outweigh everything else on the diagonal.
+TEST(SaddleOfSoftTissue, IsFactored) {
+  Simulation simulation(
+      MPI_COMM_WORLD,
+      scene_of(block, {"tissue.regions.outer.youngs_modulus=1e-9 Pa",
+                       "tissue.regions.inner.youngs_modulus=1e-9 Pa", "time.method=quasi_static"}),
+      true);
+  EXPECT_NO_THROW(run_to_end(simulation));
+}
+
 }  // namespace
 }  // namespace stylet

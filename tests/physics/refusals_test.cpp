@@ -309,7 +309,7 @@ TEST(Refusal, RoomForTetrahedraIsAsMeasured) {
                              {Formulation::p2, 5832, 0.292e9},
                              {Formulation::p2, 13824, 0.704e9}}) {
     scene.tissue.formulation = formulation;
-    EXPECT_NEAR(bytes_needed(scene, n_cells, 1) / bytes, 1.07, 0.12) << n_cells;
+    EXPECT_NEAR(bytes_needed(scene, n_cells, 1, 16e9) / bytes, 1.07, 0.12) << n_cells;
   }
 }
 

@@ -26,6 +26,12 @@ void check_rules(const Scene& scene, const Node& document);
 /// they are: linear tissue that nothing acts on any more goes back to where it was.
 [[nodiscard]] std::string why_not_at_rest(const Scene& scene);
 
+/// True if a run ends beside a needle in space that is still in. The mesh moves as if the needle's force were spread
+/// over its kernel, so it does not tell where seeds are (MODEL, section 13).
+[[nodiscard]] bool hides_places(const Scene& scene);
+/// Throws InputError if that is so.
+void require_places(const Scene& scene);
+
 /// Throws InputError `place: key 'path': message`, for what shows only where the mesh is. The place
 /// is that in the document, or the file of a scene that was made in code.
 [[noreturn]] void refuse_key(const Scene& scene,

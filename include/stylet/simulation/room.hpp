@@ -11,8 +11,8 @@ namespace stylet {
 
 /// Bytes that one rank needs for a mesh of so many triangles or tetrahedra, about (jobs/README.md has
 /// what was measured): the mesh with its operators, and a factor, or its share of one, or multigrid where the
-/// steps solve. ranks: of all machines.
-[[nodiscard]] double bytes_needed(const Scene& scene, double n_cells, int ranks);
+/// steps solve. ranks: of all machines; memory: memory_for_solvers.
+[[nodiscard]] double bytes_needed(const Scene& scene, double n_cells, int ranks, double memory);
 
 /// What a refinement needs and what there is.
 struct Room {

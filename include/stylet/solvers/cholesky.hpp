@@ -38,6 +38,8 @@ class Cholesky {
   /// indefinite.
   void factor(Mat a, Mat saddle = nullptr);
 
+  /// True if the factor is that of a saddle form.
+  [[nodiscard]] bool is_signed() const { return !signs_.empty(); }
   /// Of L on this rank.
   [[nodiscard]] double bytes() const {
     return l_ == nullptr ? 0 : 8.0 * static_cast<double>(l_->xsize);

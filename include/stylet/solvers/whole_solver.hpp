@@ -23,16 +23,18 @@ enum class SolverKind {
   multigrid            ///< conjugate gradients with GAMG
 };
 
-/// Bytes of the factor of an operator in 2 or 3 dimensions; entries_a_row: of the operator.
+/// Bytes of our factor of an operator in 2 or 3 dimensions; entries_a_row: of the operator.
 [[nodiscard]] double factor_bytes(int dim, double n_dofs, double entries_a_row);
+/// Of the factor of the operator itself, where ours is of another form.
+[[nodiscard]] double assembled_factor_bytes(int dim, double n_dofs, double entries_a_row);
 
-/// By what the factor takes of the memory of a machine (bytes): at most half of it for a factor on
-/// every rank; else, on several ranks, a shared one, which while it is made takes at most two thirds; else
-/// none.
-[[nodiscard]] SolverKind solver_for(double factor,
-                                    int ranks,
-                                    int ranks_of_machine,
-                                    double machine_memory);
+/// By what our factor, and one of the assembled operator, take of the memory of a machine (bytes): at most half of
+/// it for ours on every rank; else, on several ranks, a shared one of the latter, which while it is made takes at
+/// most two thirds; else none.
+[[nodiscard]] SolverKind solver_for(
+    double factor, double assembled, int ranks, int ranks_of_machine, double machine_memory);
+/// Of this machine, without swap space, or what a limit leaves of it (bytes).
+[[nodiscard]] double memory_for_solvers();
 
 class WholeSolver {
  public:
