@@ -3,6 +3,7 @@
 #include "stylet/base/errors.hpp"
 #include "stylet/petsc/agree.hpp"
 #include "stylet/petsc/check.hpp"
+#include "stylet/petsc/entries.hpp"
 #include "stylet/petsc/log.hpp"
 #include "stylet/petsc/session.hpp"
 
@@ -79,6 +80,12 @@ void NearField::factor(Mat a,
     saddle_.take(form, owned);
     return saddle_.matrix();
   });
+  check(VecSet(correction_.get(), 1));
+  {
+    Entries b(correction_.get());
+    for (const int dof : held_here_) b[dof] = 0;
+  }
+  whole_.prove(correction_.get());
   stale_ = false;
   leave_all();
 }

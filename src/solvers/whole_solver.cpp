@@ -180,10 +180,12 @@ void WholeSolver::factor(Mat a, const std::function<Mat()>& saddle) {
         "the step's operator cannot be factored: it is singular or indefinite (is "
         "the tissue supported, and are all elements valid?)");
   }
+}
+
+// A saddle form's factor has no pivots to choose and no bound of its errors: it has to show what it can.
+void WholeSolver::prove(Vec b) {
   if (!ours_ || !cholesky_.is_signed()) return;
-  // A saddle form's factor has no pivots to choose and no bound of its errors: it has to show what it can.
-  check(VecSet(rhs_.get(), 1));
-  solve(rhs_.get(), column_.get());
+  solve(b, column_.get());
   cholesky_.unload();
 }
 

@@ -49,6 +49,10 @@ class WholeSolver {
   /// NumericalError if it is singular or indefinite.
   void factor(Mat a, const std::function<Mat()>& saddle = {});
 
+  /// Collective. Throws NumericalError if the new factor is of another form than the operator and leaves much of b,
+  /// which is zero at eliminated dofs.
+  void prove(Vec b);
+
   /// Collective. Entries of the inverse, on every rank: [column * rows.size() + row].
   [[nodiscard]] std::vector<double> inverse_entries(std::span<const int> rows,
                                                     std::span<const int> columns);
