@@ -4,6 +4,7 @@
 #include "stylet/scene/gauge.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace stylet {
@@ -36,6 +37,11 @@ Codec<double> fracture() {
             Crack given;
             read(node, given);
             force = given.toughness * given.width;
+            if (!(force > 0 && std::isfinite(force))) {
+              refuse(
+                  node,
+                  "toughness and width whose product is a force above 0 N that a number can hold");
+            }
           },
           [](const double&) { return Node(); }};
 }
@@ -99,6 +105,9 @@ Field<Shaft> of_surface(const char* name,
     double value = 0;
     read(node, value);
     shaft.friction.*member = value * shaft.circumference;
+    if (!std::isfinite(shaft.friction.*member)) {
+      refuse(node, "a stress that a number can hold times the circumference of the shaft");
+    }
   };
   return Field<Shaft>{described(stress.key, name, doc), read, {}}.spelling_of(per_metre);
 }

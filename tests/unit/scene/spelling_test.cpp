@@ -94,6 +94,9 @@ TEST(Spelling, StressesAreRefusedInThePlaneAndBesideForces) {
     EXPECT_THAT(message_of(space_scene, {"needles.0.friction." + name}),
                 HasSubstr("_stress': value"));
   }
+  EXPECT_THAT(message_of(with("static_force: 3 N/m", "static_stress: 1e308 Pa"),
+                         {"needles.0.diameter=null", "needles.0.diameter=10 m"}),
+              HasSubstr("key 'needles.0.friction.static_stress'"));
   EXPECT_THAT(message_of(space_scene, {"needles.0.friction.viscous_coefficient=1 N s/m^2",
                                        "needles.0.friction.viscous_stress_coefficient=1 Pa s/m"}),
               HasSubstr("one of viscous_coefficient and viscous_stress_coefficient"));
@@ -112,6 +115,12 @@ TEST(Spelling, ACrackIsACuttingForce) {
               HasSubstr("one of cutting_force and fracture"));
   EXPECT_THAT(message_of(with("cutting_force: 1 N", "fracture: {toughness: 1 J/m^2}")),
               HasSubstr("key 'needles.0.cutting.fracture.width': missing"));
+  // None that overflows or vanishes.
+  for (const std::string numbers :
+       {"toughness: 1e300 J/m^2, width: 1e300 m", "toughness: 1e-300 J/m^2, width: 1e-300 m"}) {
+    EXPECT_THAT(message_of(with("cutting_force: 1 N", "fracture: {" + numbers + "}")),
+                AllOf(HasSubstr("key 'needles.0.cutting.fracture'"), HasSubstr("above 0 N")));
+  }
 }
 
 }  // namespace
